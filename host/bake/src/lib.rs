@@ -1,0 +1,1 @@
+//! Rig to tables, reference stitchers and verification

@@ -1,0 +1,1 @@
+//! Camera models, rays, projections and the rig file

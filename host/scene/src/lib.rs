@@ -1,0 +1,1 @@
+//! A ray-traced underwater pool with exact ground truth

@@ -1,0 +1,1 @@
+//! The table format of Tectum: layout, proven zero-copy view, builder

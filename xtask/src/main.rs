@@ -1,0 +1,2 @@
+//! One named command for each chore and CI step.
+fn main() {}
