@@ -1,0 +1,117 @@
+//! The bytes of a table, field by field. All numbers are little-endian and unaligned, so a view
+//! works at any address.
+
+use zerocopy::little_endian::{I16, I32, U16, U32};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+/// First four bytes of every table.
+pub const MAGIC: [u8; 4] = *b"TCTM";
+/// Major version this crate reads and writes.
+pub const VERSION_MAJOR: u16 = 1;
+/// Byte offset of the CRC-32 field, the only bytes that the CRC does not cover.
+pub const CRC_OFFSET: usize = 12;
+
+/// One of the two eyes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Eye {
+    /// The eye on the left side of the body.
+    Left,
+    /// The eye on the right side of the body.
+    Right,
+}
+
+impl Eye {
+    /// Both eyes, left first.
+    pub const BOTH: [Eye; 2] = [Eye::Left, Eye::Right];
+}
+
+#[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Header {
+    pub magic: [u8; 4],
+    pub version_major: U16,
+    pub version_minor: U16,
+    pub file_length: U32,
+    pub crc32: U32,
+    pub output_width_px: U16,
+    pub output_height_px: U16,
+    pub section_count: U16,
+    pub reserved: U16,
+    pub rig_fingerprint: [u8; 8],
+}
+
+#[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug)]
+#[repr(C)]
+pub struct SectionEntry {
+    pub tag: [u8; 4],
+    pub offset: U32,
+    pub length: U32,
+}
+
+#[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug)]
+#[repr(C)]
+pub struct MeshHeader {
+    pub step_log2: u8,
+    pub fraction_bits: u8,
+    pub reserved: U16,
+    pub first_cell_x: U16,
+    pub first_cell_y: U16,
+    pub cells_x: U16,
+    pub cells_y: U16,
+    pub origin_x_px: I16,
+    pub origin_y_px: I16,
+    pub source_width_px: U16,
+    pub source_height_px: U16,
+}
+
+/// One mesh vertex: a source position relative to the mesh's origin, in pixels times
+/// 2^[`fraction_bits`](crate::Mesh::fraction_bits).
+#[derive(
+    FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug, PartialEq, Eq,
+)]
+#[repr(C)]
+pub struct Vertex {
+    x: I16,
+    y: I16,
+}
+
+impl Vertex {
+    /// A vertex at `[x, y]`.
+    pub const fn new(xy: [i16; 2]) -> Self {
+        Self {
+            x: I16::new(xy[0]),
+            y: I16::new(xy[1]),
+        }
+    }
+
+    /// `[x, y]`.
+    #[inline(always)]
+    pub const fn xy(&self) -> [i16; 2] {
+        [self.x.get(), self.y.get()]
+    }
+}
+
+#[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug)]
+#[repr(C)]
+pub struct OutputMapLayout {
+    pub kind: u8,
+    pub reserved: [u8; 3],
+    pub rotation_q30: [I32; 9],
+    pub u0_q28: I32,
+    pub du_q28: I32,
+    pub v0_q28: I32,
+    pub dv_q28: I32,
+}
+
+#[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug)]
+#[repr(C)]
+pub struct EyeRaysHeader {
+    pub centre_q16: [I32; 2],
+    pub affine_q28: [I32; 4],
+    pub rotation_q30: [I32; 9],
+    pub position_q30: [I32; 3],
+    pub radius_q16: U32,
+    pub node_count: U16,
+    pub reserved: U16,
+}

@@ -1,0 +1,212 @@
+//! The mesh of one eye: where in the source frame each output pixel looks.
+
+use zerocopy::FromBytes;
+
+use crate::cubic::{Axis, MAX_STEP_LOG2, MAX_VERTEX_DIFFERENCE_Q8, RowWeights, Segment};
+use crate::error::{TableError, Tag};
+use crate::layout::{Eye, MeshHeader, Vertex};
+use crate::view::MAX_SOURCE_PX;
+
+/// View of one eye's mesh.
+///
+/// Vertices lie at output pixels that are multiples of [`Mesh::step`], row by row, with one more
+/// ring of them (the apron) on each side of the cells, which the cubic needs.
+#[derive(Debug, Clone, Copy)]
+pub struct Mesh<'a> {
+    header: &'a MeshHeader,
+    vertices: &'a [Vertex],
+}
+
+impl<'a> Mesh<'a> {
+    pub(crate) fn parse(bytes: &'a [u8], eye: Eye) -> Result<Self, TableError> {
+        let tag = Tag::mesh(eye);
+        let (header, rest) =
+            MeshHeader::ref_from_prefix(bytes).map_err(|_| TableError::SectionBounds { tag })?;
+        let step_log2 = u32::from(header.step_log2);
+        let source = [header.source_width_px.get(), header.source_height_px.get()];
+        let sound = (3..=MAX_STEP_LOG2).contains(&step_log2)
+            && (4..=8).contains(&header.fraction_bits)
+            && header.reserved.get() == 0
+            && header.cells_x.get() > 0
+            && header.cells_y.get() > 0
+            && source.iter().all(|side| (2..=MAX_SOURCE_PX).contains(side));
+        if !sound {
+            return Err(TableError::Field { tag });
+        }
+        let vertices =
+            <[Vertex]>::ref_from_bytes(rest).map_err(|_| TableError::SectionBounds { tag })?;
+        let mesh = Self { header, vertices };
+        let rows = usize::from(header.cells_y.get()) + 3;
+        if mesh.vertices_per_row().checked_mul(rows) != Some(vertices.len()) {
+            return Err(TableError::SectionBounds { tag });
+        }
+        if !mesh.neighbours_are_close() {
+            return Err(TableError::VertexJump { eye });
+        }
+        Ok(mesh)
+    }
+
+    /// Whether all neighbours differ by no more than the integer cubic can hold.
+    fn neighbours_are_close(&self) -> bool {
+        let limit = MAX_VERTEX_DIFFERENCE_Q8 >> (8 - self.fraction_bits());
+        let close = |a: &Vertex, b: &Vertex| {
+            let ([ax, ay], [bx, by]) = (a.xy(), b.xy());
+            (i32::from(ax) - i32::from(bx)).abs() <= limit
+                && (i32::from(ay) - i32::from(by)).abs() <= limit
+        };
+        let width = self.vertices_per_row();
+        let below = self.vertices.iter().skip(width);
+        self.vertices.iter().zip(below).all(|(a, b)| close(a, b))
+            && self
+                .vertices
+                .chunks_exact(width)
+                .all(|row| row.iter().zip(row.iter().skip(1)).all(|(a, b)| close(a, b)))
+    }
+
+    /// Output pixels from vertex to vertex: 8, 16 or 32.
+    pub fn step(&self) -> u32 {
+        1 << self.header.step_log2
+    }
+
+    /// Bits after the binary point of the vertices: 4..=8.
+    pub fn fraction_bits(&self) -> u32 {
+        u32::from(self.header.fraction_bits)
+    }
+
+    /// Source position that vertices are relative to, px.
+    pub fn origin_px(&self) -> [i16; 2] {
+        [self.header.origin_x_px.get(), self.header.origin_y_px.get()]
+    }
+
+    /// Width and height of the source frame, px.
+    pub fn source_size_px(&self) -> [u16; 2] {
+        [
+            self.header.source_width_px.get(),
+            self.header.source_height_px.get(),
+        ]
+    }
+
+    /// First cell, in cells from the output's corner: column, row.
+    pub fn first_cell(&self) -> [u16; 2] {
+        [
+            self.header.first_cell_x.get(),
+            self.header.first_cell_y.get(),
+        ]
+    }
+
+    /// Number of cells: columns, rows.
+    pub fn cells(&self) -> [u16; 2] {
+        [self.header.cells_x.get(), self.header.cells_y.get()]
+    }
+
+    /// Vertices in a row of [`Mesh::vertices`], apron included: columns of cells plus 3.
+    pub fn vertices_per_row(&self) -> usize {
+        usize::from(self.header.cells_x.get()) + 3
+    }
+
+    /// All vertices, row by row, the apron's upper left one first.
+    pub fn vertices(&self) -> &'a [Vertex] {
+        self.vertices
+    }
+
+    /// Source positions of the `len` output pixels from column `start` of row `row`, cell by
+    /// cell. Ends early where the mesh does.
+    #[inline]
+    pub fn segments(&self, row: u16, start: u32, len: u32) -> Segments<'a> {
+        self.try_segments(row, start, len)
+            .unwrap_or_else(|| Segments {
+                columns: [const { &[] as &[Vertex] }; 4].map(<[Vertex]>::iter),
+                weights: RowWeights::new(0, self.step_log2(), self.fraction_bits()),
+                step_log2: self.step_log2(),
+                origin: [0; 2],
+                ring: [[0; 2]; 3],
+                k: 0,
+                left: 0,
+            })
+    }
+
+    fn step_log2(&self) -> u32 {
+        u32::from(self.header.step_log2)
+    }
+
+    #[inline]
+    fn try_segments(&self, row: u16, start: u32, len: u32) -> Option<Segments<'a>> {
+        let step_log2 = self.step_log2();
+        let [first_x, first_y] = self.first_cell();
+        let width = self.vertices_per_row();
+        let top = (usize::from(row) >> step_log2).checked_sub(usize::from(first_y))?;
+        let left = (start as usize >> step_log2).checked_sub(usize::from(first_x))?;
+        // A column or row beyond the mesh's end makes one of the slices, or `next`, come up short.
+        let below = self.vertices.get(top.checked_mul(width)?..)?;
+        let row_from = |n: usize| below.get(n * width..)?.get(..width)?.get(left..);
+        let columns = [row_from(0)?, row_from(1)?, row_from(2)?, row_from(3)?];
+        let mask = (1 << step_log2) - 1;
+        let mut segments = Segments {
+            columns: columns.map(|column| column.iter()),
+            weights: RowWeights::new(i32::from(row) & mask, step_log2, self.fraction_bits()),
+            step_log2,
+            origin: self.origin_px().map(i32::from),
+            ring: [[0; 2]; 3],
+            k: start as i32 & mask,
+            left: len,
+        };
+        for i in 0..3 {
+            let value = segments.next_column()?;
+            if let Some(slot) = segments.ring.get_mut(i) {
+                *slot = value;
+            }
+        }
+        Some(segments)
+    }
+}
+
+/// Iterator over the [`Segment`]s of a run.
+#[derive(Debug, Clone)]
+pub struct Segments<'a> {
+    columns: [core::slice::Iter<'a, Vertex>; 4],
+    weights: RowWeights,
+    step_log2: u32,
+    origin: [i32; 2],
+    /// Row values of the three vertex columns before the next one: [x, y] in Q8.
+    ring: [[i32; 2]; 3],
+    /// First pixel inside the next cell.
+    k: i32,
+    /// Pixels still to come.
+    left: u32,
+}
+
+impl Segments<'_> {
+    #[inline(always)]
+    fn next_column(&mut self) -> Option<[i32; 2]> {
+        let [a, b, c, d] = &mut self.columns;
+        let [a, b, c, d] = [a.next()?, b.next()?, c.next()?, d.next()?].map(Vertex::xy);
+        Some([
+            self.weights.apply([a[0], b[0], c[0], d[0]]),
+            self.weights.apply([a[1], b[1], c[1], d[1]]),
+        ])
+    }
+}
+
+impl Iterator for Segments<'_> {
+    type Item = Segment;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Segment> {
+        if self.left == 0 {
+            return None;
+        }
+        let p3 = self.next_column()?;
+        let [p0, p1, p2] = self.ring;
+        let [origin_x, origin_y] = self.origin;
+        let k = self.k;
+        let len = ((1 << self.step_log2) - k as u32).min(self.left);
+        self.ring = [p1, p2, p3];
+        self.k = 0;
+        self.left -= len;
+        Some(Segment {
+            len,
+            x: Axis::new([p0[0], p1[0], p2[0], p3[0]], origin_x, k, self.step_log2),
+            y: Axis::new([p0[1], p1[1], p2[1], p3[1]], origin_y, k, self.step_log2),
+        })
+    }
+}
