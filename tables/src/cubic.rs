@@ -165,6 +165,15 @@ pub struct Segment {
     pub y: Axis,
 }
 
+impl Segment {
+    /// Moves both axes on to the next output pixel.
+    #[inline(always)]
+    pub fn step(&mut self) {
+        self.x.step();
+        self.y.step();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

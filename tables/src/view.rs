@@ -128,8 +128,7 @@ impl<'a> Tables<'a> {
                 // As unsigned numbers, negative positions are over any limit.
                 inside &= (segment.x.position_q8() as u32) < limit_x
                     && (segment.y.position_q8() as u32) < limit_y;
-                segment.x.step();
-                segment.y.step();
+                segment.step();
             }
         }
         if inside && columns == run.len {

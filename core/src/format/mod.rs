@@ -1,0 +1,44 @@
+//! Pixel formats: one module each, the loop over a run's pixels and what a pixel is.
+
+mod gray8;
+mod rgb565;
+mod rgb8;
+mod yuyv;
+
+use tectum_tables::Segments;
+
+use crate::kernel::{Position, Sink, Source};
+
+pub use gray8::Gray8;
+pub use rgb8::Rgb8;
+pub use rgb565::Rgb565;
+pub use yuyv::Yuyv;
+
+/// A pixel format that the core can stitch. Sealed: the kernels are part of the core.
+pub trait PixelFormat: Kernel + Copy + core::fmt::Debug {
+    /// Bytes to a pixel.
+    const BYTES_PER_PIXEL: usize;
+    /// Widths must be a multiple of this many pixels.
+    const PIXELS: usize = 1;
+    /// Name as written on command lines.
+    const NAME: &'static str;
+}
+
+/// The inner loops of a format.
+pub trait Kernel {
+    /// Fills `len` pixels of the output row `row` from column `start` with the background:
+    /// black.
+    #[doc(hidden)]
+    fn fill(row: &mut [u8], start: usize, len: usize);
+
+    /// Samples `source` along `segments` into the output row `row` from column `start`.
+    #[doc(hidden)]
+    #[allow(private_bounds, private_interfaces)]
+    fn span<P: Position, S: Sink>(
+        source: Source<'_>,
+        segments: Segments<'_>,
+        sink: S,
+        row: &mut [u8],
+        start: usize,
+    );
+}

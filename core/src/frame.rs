@@ -1,0 +1,124 @@
+//! Borrowed camera frames.
+
+use core::marker::PhantomData;
+
+use crate::format::PixelFormat;
+
+/// Why bytes are not a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FrameError {
+    /// Fewer bytes than the size and stride need.
+    TooShort {
+        /// Bytes that the last pixel ends at.
+        needed: usize,
+    },
+    /// The stride is shorter than a row of pixels.
+    Stride {
+        /// Bytes in a row of pixels.
+        needed: usize,
+    },
+    /// A width or height of 0, or an odd width in a format whose pixels come in pairs.
+    Size,
+}
+
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::TooShort { needed } => write!(f, "the frame needs {needed} bytes"),
+            Self::Stride { needed } => write!(f, "the stride must be at least {needed} bytes"),
+            Self::Size => write!(f, "width and height must be positive (width even for YUYV)"),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// One picture of an eye in pixel format `F`, borrowed.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<'a, F> {
+    data: &'a [u8],
+    width_px: u16,
+    height_px: u16,
+    stride_bytes: usize,
+    format: PhantomData<F>,
+}
+
+impl<'a, F: PixelFormat> Frame<'a, F> {
+    /// A frame of `width_px` x `height_px` pixels whose rows start every `stride_bytes`.
+    /// Bytes after the last pixel are ignored.
+    ///
+    /// # Errors
+    /// [`FrameError`] if the bytes cannot hold such a frame.
+    pub fn new(
+        data: &'a [u8],
+        width_px: u16,
+        height_px: u16,
+        stride_bytes: usize,
+    ) -> Result<Self, FrameError> {
+        let row = usize::from(width_px) * F::BYTES_PER_PIXEL;
+        if width_px == 0 || height_px == 0 || !usize::from(width_px).is_multiple_of(F::PIXELS) {
+            return Err(FrameError::Size);
+        }
+        if stride_bytes < row {
+            return Err(FrameError::Stride { needed: row });
+        }
+        let needed = (usize::from(height_px) - 1)
+            .checked_mul(stride_bytes)
+            .and_then(|above| above.checked_add(row))
+            .unwrap_or(usize::MAX);
+        if data.len() < needed {
+            return Err(FrameError::TooShort { needed });
+        }
+        Ok(Self {
+            data,
+            width_px,
+            height_px,
+            stride_bytes,
+            format: PhantomData,
+        })
+    }
+
+    /// Width and height, px.
+    pub fn size_px(&self) -> [u16; 2] {
+        [self.width_px, self.height_px]
+    }
+
+    pub(crate) fn data(&self) -> &'a [u8] {
+        self.data
+    }
+
+    pub(crate) fn stride_bytes(&self) -> usize {
+        self.stride_bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Gray8, Rgb8, Yuyv};
+
+    #[test]
+    fn the_last_row_needs_no_padding() {
+        let bytes = [0; 8 * 2 + 6];
+        assert!(Frame::<Rgb8>::new(&bytes, 2, 3, 8).is_ok());
+        let error = Frame::<Rgb8>::new(&bytes[1..], 2, 3, 8).unwrap_err();
+        assert_eq!(error, FrameError::TooShort { needed: 22 });
+    }
+
+    #[test]
+    fn absurd_sizes_are_refused() {
+        assert_eq!(
+            Frame::<Gray8>::new(&[], 0, 1, 1).unwrap_err(),
+            FrameError::Size
+        );
+        assert_eq!(
+            Frame::<Yuyv>::new(&[0; 9], 3, 1, 9).unwrap_err(),
+            FrameError::Size
+        );
+        let error = Frame::<Rgb8>::new(&[0; 9], 3, 1, 8).unwrap_err();
+        assert_eq!(error, FrameError::Stride { needed: 9 });
+        let error = Frame::<Gray8>::new(&[0; 9], 3, 3, usize::MAX).unwrap_err();
+        assert_eq!(error, FrameError::TooShort { needed: usize::MAX });
+    }
+}
