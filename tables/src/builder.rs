@@ -34,6 +34,30 @@ pub struct MeshData {
     pub vertices: Vec<[i16; 2]>,
 }
 
+impl MeshData {
+    /// The bytes of the mesh's section.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let header = MeshHeader {
+            step_log2: self.step_log2,
+            fraction_bits: self.fraction_bits,
+            reserved: U16::new(0),
+            first_cell_x: U16::new(self.first_cell[0]),
+            first_cell_y: U16::new(self.first_cell[1]),
+            cells_x: U16::new(self.cells[0]),
+            cells_y: U16::new(self.cells[1]),
+            origin_x_px: I16::new(self.origin_px[0]),
+            origin_y_px: I16::new(self.origin_px[1]),
+            source_width_px: U16::new(self.source_size_px[0]),
+            source_height_px: U16::new(self.source_size_px[1]),
+        };
+        let mut bytes = header.as_bytes().to_vec();
+        for vertex in &self.vertices {
+            bytes.extend_from_slice(Vertex::new(*vertex).as_bytes());
+        }
+        bytes
+    }
+}
+
 /// One run of an output row, owned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RunData {
@@ -144,7 +168,7 @@ impl TableBuilder {
     pub fn to_bytes(&self) -> Result<Vec<u8>, RunsTooLong> {
         let mut sections: Vec<(Tag, Vec<u8>)> = Vec::new();
         for (eye, mesh) in Eye::BOTH.into_iter().zip(&self.mesh) {
-            sections.extend(mesh.as_ref().map(|m| (Tag::mesh(eye), mesh_bytes(m))));
+            sections.extend(mesh.as_ref().map(|m| (Tag::mesh(eye), m.to_bytes())));
         }
         sections.push((Tag::RUNS, runs_bytes(&self.rows)?));
         sections.push((Tag::OUTPUT_MAP, output_map_bytes(&self.output_map)));
@@ -198,27 +222,6 @@ pub fn seal(bytes: &mut [u8]) {
     if let (Some(crc), Some(field)) = (crc, bytes.get_mut(CRC_OFFSET..CRC_OFFSET + 4)) {
         field.copy_from_slice(&crc.to_le_bytes());
     }
-}
-
-fn mesh_bytes(mesh: &MeshData) -> Vec<u8> {
-    let header = MeshHeader {
-        step_log2: mesh.step_log2,
-        fraction_bits: mesh.fraction_bits,
-        reserved: U16::new(0),
-        first_cell_x: U16::new(mesh.first_cell[0]),
-        first_cell_y: U16::new(mesh.first_cell[1]),
-        cells_x: U16::new(mesh.cells[0]),
-        cells_y: U16::new(mesh.cells[1]),
-        origin_x_px: I16::new(mesh.origin_px[0]),
-        origin_y_px: I16::new(mesh.origin_px[1]),
-        source_width_px: U16::new(mesh.source_size_px[0]),
-        source_height_px: U16::new(mesh.source_size_px[1]),
-    };
-    let mut bytes = header.as_bytes().to_vec();
-    for vertex in &mesh.vertices {
-        bytes.extend_from_slice(Vertex::new(*vertex).as_bytes());
-    }
-    bytes
 }
 
 fn runs_bytes(rows: &[Vec<RunData>]) -> Result<Vec<u8>, RunsTooLong> {

@@ -18,7 +18,11 @@ pub struct Mesh<'a> {
 }
 
 impl<'a> Mesh<'a> {
-    pub(crate) fn parse(bytes: &'a [u8], eye: Eye) -> Result<Self, TableError> {
+    /// View of the bytes of one mesh section; `eye` is for error messages.
+    ///
+    /// # Errors
+    /// A [`TableError`] if the bytes are not a mesh that the integer upsampling can hold.
+    pub fn parse(bytes: &'a [u8], eye: Eye) -> Result<Self, TableError> {
         let tag = Tag::mesh(eye);
         let (header, rest) =
             MeshHeader::ref_from_prefix(bytes).map_err(|_| TableError::SectionBounds { tag })?;

@@ -1,0 +1,12 @@
+//! Fits the coarse mesh of one eye to exact source positions.
+
+mod banded;
+mod fit;
+mod grid;
+mod targets;
+
+pub use fit::{FittedMesh, fit};
+pub use targets::Targets;
+
+#[cfg(test)]
+mod tests;

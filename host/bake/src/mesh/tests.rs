@@ -1,0 +1,59 @@
+use super::*;
+
+/// An equidistant 210 degree eye of 480x480 looking straight left, in a 640x320 equirect output.
+fn fish_eye(width: usize, height: usize, source: f64) -> Targets {
+    let focal = (source / 2.0 - 2.0) / 105f64.to_radians();
+    let mut positions = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let yaw =
+                std::f64::consts::PI - (x as f64 + 0.5) / width as f64 * std::f64::consts::TAU;
+            let pitch = ((y as f64 + 0.5) / height as f64 - 0.5) * std::f64::consts::PI;
+            let ray = [
+                pitch.cos() * yaw.cos(),
+                pitch.cos() * yaw.sin(),
+                -pitch.sin(),
+            ];
+            // Camera x = body x, y = -body z, z = body y.
+            let [cx, cy, cz] = [ray[0], -ray[2], ray[1]];
+            let theta = cx.hypot(cy).atan2(cz);
+            let k = focal * theta / cx.hypot(cy).max(1e-12);
+            let centre = (source - 1.0) / 2.0;
+            positions.push(if theta < 104f64.to_radians() {
+                [centre + k * cx, centre + k * cy]
+            } else {
+                Targets::HIDDEN
+            });
+        }
+    }
+    Targets::new(width, height, positions)
+}
+
+#[test]
+fn a_mesh_of_step_16_meets_the_budget_of_the_small_table() {
+    let targets = fish_eye(640, 320, 480.0);
+    let mesh = fit(&targets, [480, 480], 4, 0.05).unwrap().unwrap();
+    // Budgets of the design: 0.05 px worst, 0.01 px RMS, 4 KB.
+    assert!(mesh.max_error_px <= 0.05, "{}", mesh.max_error_px);
+    assert!(mesh.rms_error_px <= 0.01, "{}", mesh.rms_error_px);
+    assert!(mesh.data.to_bytes().len() <= 4096);
+}
+
+#[test]
+fn nothing_shown_gives_no_mesh() {
+    let targets = Targets::new(3, 2, vec![Targets::HIDDEN; 6]);
+    assert!(fit(&targets, [10, 10], 4, 0.05).unwrap().is_none());
+}
+
+#[test]
+fn a_mesh_is_exact_for_what_a_cubic_can_hold() {
+    let positions = (0..40 * 24).map(|i| {
+        let (x, y) = (f64::from(i % 40), f64::from(i / 40));
+        [10.0 + 0.5 * x + 0.25 * y, 5.0 + 0.75 * y]
+    });
+    let targets = Targets::new(40, 24, positions.collect());
+    let mesh = fit(&targets, [64, 64], 3, 0.0).unwrap().unwrap();
+    // What is left is the rounding of vertices (Q8 here) and of positions: 1/512 px each, twice
+    // at most 1.25 times for the vertices.
+    assert!(mesh.max_error_px < 0.006, "{}", mesh.max_error_px);
+}

@@ -1,0 +1,11 @@
+//! Slow, obvious stitchers that the core is measured against.
+//!
+//! [`quantised`] does in f64, straight from the definitions in `tables/FORMAT.md`, what the core
+//! does in integers with tricks; the two must agree in every byte.
+
+mod planes;
+mod position;
+pub mod quantised;
+
+pub use planes::Planes;
+pub use position::position_q8;

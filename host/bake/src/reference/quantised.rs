@@ -1,0 +1,90 @@
+//! The core's result by definition: f64 on the table's own numbers.
+
+use tectum_core::{Eye, Sampler, Tables};
+use tectum_tables::RunKind;
+
+use super::planes::Planes;
+use super::position::{position_q8, round};
+use crate::{Format, Pair};
+
+/// Stitches a whole picture slowly. Equal to the core bit for bit.
+///
+/// # Panics
+/// If frames are smaller than the table states.
+pub fn stitch(tables: &Tables<'_>, format: Format, sampler: Sampler, pair: Pair<'_>) -> Vec<u8> {
+    let decode = |eye, bytes| {
+        let size = tables.source_size_px(eye)?.map(usize::from);
+        Some(Planes::decode(format, size, bytes))
+    };
+    let eyes = [decode(Eye::Left, pair.left), decode(Eye::Right, pair.right)];
+    let size = [tables.output_width_px(), tables.output_height_px()].map(usize::from);
+    let blank = vec![0; size[0] * size[1] * format.bytes_per_pixel()];
+    let mut out = Planes::decode(format, size, &blank);
+    for y in 0..size[1] {
+        for run in tables.runs(y as u16) {
+            let mut ramp = match run.kind {
+                RunKind::Blend(ramp) => Some(ramp),
+                _ => None,
+            };
+            for x in run.start as usize..(run.start + run.len) as usize {
+                for (channel, (width, plane)) in out.planes.iter_mut().enumerate() {
+                    let Some(i) = plane_index(x, y, *width, size[0]) else {
+                        continue;
+                    };
+                    let sample = |eye: Eye| {
+                        let planes = eyes[eye as usize].as_ref().expect("runs show known eyes");
+                        let at = position_q8(tables, eye, x, y).expect("runs lie in the mesh");
+                        sample(planes, channel, at, sampler)
+                    };
+                    plane[i] = match run.kind {
+                        RunKind::Void => background(format, channel),
+                        RunKind::Left => sample(Eye::Left),
+                        RunKind::Right => sample(Eye::Right),
+                        RunKind::Blend(_) => {
+                            let w = ramp.map_or(0.0, |r| f64::from(r.left_weight()) / 256.0);
+                            round(w * sample(Eye::Left) + (1.0 - w) * sample(Eye::Right))
+                        }
+                    };
+                }
+                if let Some(ramp) = &mut ramp {
+                    ramp.step();
+                }
+            }
+        }
+    }
+    out.encode(format)
+}
+
+/// Where output pixel (x, y) lies in a plane; `None` if this pixel does not set it (the odd
+/// pixel of a pair has no chroma of its own).
+fn plane_index(x: usize, y: usize, plane_width: usize, width: usize) -> Option<usize> {
+    let step = width / plane_width;
+    x.is_multiple_of(step).then(|| y * plane_width + x / step)
+}
+
+fn background(format: Format, channel: usize) -> f64 {
+    if format == Format::Yuyv && channel > 0 {
+        128.0
+    } else {
+        0.0
+    }
+}
+
+/// Value of a channel at a position, rounded half up.
+fn sample(planes: &Planes, channel: usize, at_q8: [i32; 2], sampler: Sampler) -> f64 {
+    let (width, plane) = &planes.planes[channel];
+    let step = planes.size_px[0] / width;
+    let get = |x: i32, y: i32| plane[y as usize * width + (x as usize).min(width - 1)];
+    let [x, y] = at_q8;
+    match sampler {
+        Sampler::Nearest => get(((x + 128) >> 8) / step as i32, (y + 128) >> 8),
+        Sampler::Bilinear => {
+            let x = x / step as i32;
+            let [fx, fy] = [x, y].map(|v| f64::from(v & 255) / 256.0);
+            let [x, y] = [x >> 8, y >> 8];
+            let upper = (1.0 - fx) * get(x, y) + fx * get(x + 1, y);
+            let lower = (1.0 - fx) * get(x, y + 1) + fx * get(x + 1, y + 1);
+            round((1.0 - fy) * upper + fy * lower)
+        }
+    }
+}
