@@ -1,1 +1,5 @@
-//! Tests that cross the crates of Tectum
+//! What the tests that cross crates share: random tables and frames.
+
+mod random;
+
+pub use random::{frame, rng, table};

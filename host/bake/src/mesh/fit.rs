@@ -182,13 +182,14 @@ impl Local {
                 w[4 * j + i] = wy[j] * wx[i];
             }
         }
-        for a in 0..16 {
-            let wa = weight * w[a];
-            for b in 0..16 {
-                self.matrix[a][b] += wa * w[b];
+        for ((row, wa), a) in self.matrix.iter_mut().zip(w).zip(0..) {
+            let wa = weight * wa;
+            for (element, wb) in row.iter_mut().zip(w) {
+                *element += wa * wb;
             }
-            self.right[0][a] += wa * target[0];
-            self.right[1][a] += wa * target[1];
+            for (right, target) in self.right.iter_mut().zip(target) {
+                right[a] += wa * target;
+            }
         }
     }
 

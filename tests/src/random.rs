@@ -1,0 +1,90 @@
+//! Random tables that are valid by construction, and random frames.
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use tectum_tables::ProjectionKind;
+use tectum_tables::builder::{MeshData, OutputMapData, RunData, TableBuilder};
+
+/// The generator behind case `seed`, the same on every machine.
+pub fn rng(seed: u64) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed)
+}
+
+/// A frame of random bytes.
+pub fn frame(rng: &mut ChaCha8Rng, bytes: usize) -> Vec<u8> {
+    let mut frame = vec![0; bytes];
+    rng.fill_bytes(&mut frame);
+    frame
+}
+
+/// A random table of an output up to `max_px`: any step and fraction, meshes as wild as the
+/// source allows or pressed against a border, runs down to one pixel, rows of nothing.
+pub fn table(rng: &mut ChaCha8Rng, max_px: [u16; 2]) -> TableBuilder {
+    let size = max_px.map(|side| rng.random_range(1..=side));
+    let source = [0, 0].map(|_| rng.random_range(1..=20u16) * 2);
+    TableBuilder {
+        output_size_px: size,
+        rig_fingerprint: rng.random(),
+        mesh: [Some(mesh(rng, size, source)), Some(mesh(rng, size, source))],
+        rows: (0..size[1]).map(|_| row(rng, size[0])).collect(),
+        output_map: OutputMapData {
+            kind: ProjectionKind::Equirect,
+            rotation_q30: [1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30],
+            u_q28: [0, 1],
+            v_q28: [0, 1],
+        },
+        rays: [None, None],
+        metadata: String::new(),
+    }
+}
+
+fn mesh(rng: &mut ChaCha8Rng, size: [u16; 2], source: [u16; 2]) -> MeshData {
+    let step_log2 = rng.random_range(3..=5);
+    let fraction_bits = rng.random_range(4..=8u8);
+    let cells = size.map(|side| side.div_ceil(1 << step_log2));
+    let origin_px = source.map(|side| rng.random_range(0..side) as i16);
+    let style = rng.random_range(0..4);
+    let scale = f64::from(1u32 << fraction_bits);
+    let along = |rng: &mut ChaCha8Rng, axis: usize| {
+        // Positions may be 0 up to just under side - 1, in vertex units.
+        let low = -f64::from(origin_px[axis]) * scale;
+        let high = low + f64::from(source[axis] - 1) * scale - 1.0;
+        let middle = (low + high) / 2.0;
+        let value = match style {
+            0 => low,
+            1 => high,
+            // Two passes of overshoot by a quarter each: 1.5625 times the spread fits.
+            _ => middle + (high - low) / 2.0 / 1.6 * rng.random_range(-1.0..=1.0),
+        };
+        value.round().clamp(low, high.floor()) as i16
+    };
+    let count = cells.iter().map(|n| usize::from(*n) + 3).product();
+    MeshData {
+        step_log2,
+        fraction_bits,
+        first_cell: [0, 0],
+        cells,
+        origin_px,
+        source_size_px: source,
+        vertices: (0..count).map(|_| [along(rng, 0), along(rng, 1)]).collect(),
+    }
+}
+
+fn row(rng: &mut ChaCha8Rng, width: u16) -> Vec<RunData> {
+    let mut runs = Vec::new();
+    let longest = *[1, 3, width, width]
+        .get(rng.random_range(0..4))
+        .unwrap_or(&width);
+    let mut left = width;
+    while left > 0 {
+        let n = rng.random_range(1..=left.min(longest));
+        left -= n;
+        runs.push(match rng.random_range(0..5) {
+            0 => RunData::Void(n),
+            1 => RunData::Left(n),
+            2 => RunData::Right(n),
+            _ => RunData::Blend(n, rng.random()),
+        });
+    }
+    runs
+}

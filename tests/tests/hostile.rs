@@ -1,0 +1,132 @@
+//! Whatever the bytes: a typed error, or a table that is safe to run. Assertions in the core's
+//! memory access are on here, so a position outside a frame that got past the parser fails.
+
+use rand::RngExt;
+use tectum_bake::{Format, Pair, Pass, stitch};
+use tectum_core::{Eye, Sampler, TableError, Tables};
+use tectum_tables::builder::{MeshData, TableBuilder, seal};
+use tectum_tests::{rng, table};
+
+/// Runs a table that parsed over frames of exactly the size it states.
+fn run(tables: &Tables<'_>) {
+    let [left, right] = Eye::BOTH.map(|eye| tables.source_size_px(eye).unwrap_or([0, 0]));
+    for format in Format::ALL {
+        let bytes =
+            |[w, h]: [u16; 2]| vec![1; usize::from(w) * usize::from(h) * format.bytes_per_pixel()];
+        let (left, right) = (bytes(left), bytes(right));
+        for sampler in [Sampler::Nearest, Sampler::Bilinear] {
+            // Formats that do not fit the sizes are refused; nothing may panic.
+            let _ = stitch(
+                tables,
+                format,
+                sampler,
+                Pass::Both,
+                Pair {
+                    left: &left,
+                    right: &right,
+                },
+            );
+        }
+    }
+}
+
+fn run_if_valid(bytes: &[u8]) -> Result<(), TableError> {
+    Tables::parse(bytes).map(|tables| run(&tables))
+}
+
+fn small_table(seed: u64) -> TableBuilder {
+    table(&mut rng(seed), [20, 6])
+}
+
+#[test]
+fn every_flipped_byte_is_noticed() {
+    let bytes = small_table(1).to_bytes().expect("few runs");
+    for i in 0..bytes.len() {
+        for flip in [0x01, 0x80, 0xff] {
+            let mut bytes = bytes.clone();
+            bytes[i] ^= flip;
+            assert!(run_if_valid(&bytes).is_err(), "byte {i} ^ {flip:#x}");
+        }
+    }
+}
+
+#[test]
+fn every_flipped_byte_behind_a_right_checksum_is_safe() {
+    for seed in 0..40 {
+        let bytes = small_table(seed).to_bytes().expect("few runs");
+        for i in 0..bytes.len() {
+            let mut bytes = bytes.clone();
+            bytes[i] ^= [0x01, 0x40, 0x80, 0xff][seed as usize % 4];
+            seal(&mut bytes);
+            let _ = run_if_valid(&bytes);
+        }
+    }
+}
+
+#[test]
+fn random_damage_behind_a_right_checksum_is_safe() {
+    for seed in 0..20_000 {
+        let mut rng = rng(seed);
+        let mut bytes = table(&mut rng, [40, 6]).to_bytes().expect("few runs");
+        for _ in 0..rng.random_range(1..6) {
+            let i = rng.random_range(16..bytes.len());
+            bytes[i] = rng.random();
+        }
+        seal(&mut bytes);
+        let _ = run_if_valid(&bytes);
+    }
+}
+
+#[test]
+fn every_truncation_is_refused() {
+    let bytes = small_table(2).to_bytes().expect("few runs");
+    for length in 0..bytes.len() {
+        assert!(Tables::parse(&bytes[..length]).is_err(), "{length} bytes");
+        let mut sealed = bytes[..length].to_vec();
+        if let Some(field) = sealed.get_mut(8..12) {
+            field.copy_from_slice(&(length as u32).to_le_bytes());
+        }
+        seal(&mut sealed);
+        assert!(
+            run_if_valid(&sealed).is_err(),
+            "{length} bytes with a right length and checksum"
+        );
+    }
+}
+
+#[test]
+fn a_position_over_any_edge_is_refused() {
+    // A mesh that shows one constant position, in Q8 vertices of a 10x8 source.
+    let constant = |position_q8: [i16; 2]| {
+        let mut builder = small_table(3);
+        let [w, h] = builder.output_size_px;
+        builder.rows = vec![vec![tectum_tables::builder::RunData::Left(w)]; usize::from(h)];
+        let cells = [w, h].map(|side| side.div_ceil(8));
+        let count = cells.iter().map(|n| usize::from(*n) + 3).product();
+        builder.mesh[0] = Some(MeshData {
+            step_log2: 3,
+            fraction_bits: 8,
+            first_cell: [0, 0],
+            cells,
+            origin_px: [0, 0],
+            source_size_px: [10, 8],
+            vertices: vec![position_q8; count],
+        });
+        builder.to_bytes().expect("few runs")
+    };
+    let [right, bottom] = [9 * 256 - 1, 7 * 256 - 1];
+    for inside in [[0, 0], [right, 0], [0, bottom], [right, bottom]] {
+        assert_eq!(run_if_valid(&constant(inside)), Ok(()), "{inside:?}");
+    }
+    for outside in [[-1, 0], [0, -1], [right + 1, 0], [0, bottom + 1]] {
+        let error = Tables::parse(&constant(outside)).unwrap_err();
+        assert_eq!(
+            error,
+            TableError::SourceBox {
+                eye: Eye::Left,
+                row: 0
+            },
+            "{outside:?}"
+        );
+    }
+}
