@@ -1,0 +1,54 @@
+//! Link arguments, and the tables and frames that the programs carry in flash.
+
+mod tables;
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+use tectum_fixture::frames::{self, Layout};
+use tectum_tables::{Eye, Tables};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo:rustc-link-arg-bins=-Tlink.x");
+    println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
+    println!("cargo:rerun-if-changed=build");
+    println!("cargo:rerun-if-env-changed=TECTUM_BOARD");
+
+    let out = PathBuf::from(env::var("OUT_DIR")?);
+    let board = env::var("TECTUM_BOARD")?;
+    let file = tectum_fixture::table_file(&board).ok_or(format!("no board `{board}`"))?;
+    let file = Path::new("..").join(file);
+    println!("cargo:rerun-if-changed={}", file.display());
+    let bytes = fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+    fs::write(out.join("picture.tct"), &bytes)?;
+
+    let picture = Tables::parse(&bytes).map_err(|error| format!("{}: {error}", file.display()))?;
+    for (name, bytes) in tables::one_kind(&picture)? {
+        fs::write(out.join(name).with_extension("tct"), bytes)?;
+    }
+    write_sizes(&picture, &out)?;
+    write_frames(&picture, &out)
+}
+
+fn write_sizes(tables: &Tables, out: &Path) -> Result<(), Box<dyn Error>> {
+    let pixels = u32::from(tables.output_width_px()) * u32::from(tables.output_height_px());
+    let text = format!(
+        "/// Bytes of an output picture in the largest format.\npub const ROOM_BYTES: usize = {};\n",
+        pixels * 3
+    );
+    Ok(fs::write(out.join("sizes.rs"), text)?)
+}
+
+fn write_frames(tables: &Tables, out: &Path) -> Result<(), Box<dyn Error>> {
+    for (eye, name) in [(Eye::Left, "left"), (Eye::Right, "right")] {
+        let [width, height] = tables
+            .source_size_px(eye)
+            .ok_or("a table must show both eyes")?;
+        for layout in Layout::ALL {
+            let bytes: Vec<u8> = frames::bytes(layout, eye as u32, width, height).collect();
+            fs::write(out.join(format!("{}_{name}.raw", layout.name())), bytes)?;
+        }
+    }
+    Ok(())
+}

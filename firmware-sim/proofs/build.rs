@@ -1,0 +1,5 @@
+//! Link arguments of the programs.
+
+fn main() {
+    println!("cargo:rustc-link-arg-bins=-Tlink.x");
+}

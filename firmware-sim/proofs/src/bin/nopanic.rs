@@ -1,0 +1,22 @@
+//! Links only if no panic path is left in any entry point of the core, in any format.
+#![no_std]
+#![no_main]
+
+use tectum_board::{entry, exit_success};
+use tectum_core::{Gray8, Rgb8, Rgb565, Yuyv};
+use tectum_proofs::{lookup, stitch};
+
+#[entry]
+fn main() -> ! {
+    static mut ROOM: [u8; 64] = [0; 64];
+    stitch::<Gray8>(ROOM);
+    stitch::<Rgb565>(ROOM);
+    stitch::<Yuyv>(ROOM);
+    stitch::<Rgb8>(ROOM);
+    lookup();
+    #[cfg(feature = "deliberate-panic")]
+    {
+        ROOM[core::hint::black_box(64)] = 0;
+    }
+    exit_success()
+}

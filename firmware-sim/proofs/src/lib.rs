@@ -1,0 +1,81 @@
+//! Calls of the core for programs that are linked and measured, never run.
+//!
+//! Every input passes a `black_box`, so the compiler knows neither bytes nor lengths and has to keep
+//! each check it cannot prove away. The panic handler calls a symbol that nobody defines: a program
+//! with one panic path left does not link.
+#![no_std]
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+
+use tectum_core::{
+    BinaryAngle, Direction, Eye, Frame, Lookup, PixelFormat, Sampler, Stitcher, Tables,
+};
+
+#[panic_handler]
+#[allow(unsafe_code)]
+fn panic(_: &PanicInfo) -> ! {
+    unsafe extern "C" {
+        fn a_panic_path_is_left() -> !;
+    }
+    // SAFETY: never reached, for a program with this call in it does not link.
+    unsafe { a_panic_path_is_left() }
+}
+
+/// Some bytes, of which the compiler knows nothing.
+fn bytes() -> &'static [u8] {
+    black_box(&[])
+}
+
+/// What a program holds that does not use the core.
+pub fn nothing() {
+    black_box(bytes());
+}
+
+/// Checks a table.
+pub fn parse() {
+    let _ = black_box(Tables::parse(bytes()));
+}
+
+/// Stitches in one format, in every way to run, after checking the table.
+pub fn stitch<F: PixelFormat>(out: &mut [u8]) {
+    let _ = black_box(try_stitch::<F>(black_box(out)));
+}
+
+fn try_stitch<F: PixelFormat>(out: &mut [u8]) -> Option<()> {
+    let tables = Tables::parse(bytes()).ok()?;
+    let frame = || Frame::<F>::new(bytes(), black_box(8), black_box(8), black_box(8)).ok();
+    let (left, right) = (frame()?, frame()?);
+    let sampler = if black_box(true) {
+        Sampler::Nearest
+    } else {
+        Sampler::Bilinear
+    };
+    let stitcher = Stitcher::new(&tables, sampler).ok()?;
+    let row = black_box(0);
+    stitcher.row(&left, &right, row, out).ok()?;
+    stitcher.frame(&left, &right, out, black_box(8)).ok()?;
+    stitcher.left_row(&left, row, out).ok()?;
+    stitcher.right_row(&right, row, out).ok()
+}
+
+/// Asks for directions and pixels.
+pub fn lookup() {
+    let Ok(tables) = Tables::parse(bytes()) else {
+        return;
+    };
+    let lookup = Lookup::new(&tables);
+    let pixel_q8 = black_box([0, 0]);
+    let _ = black_box(lookup.direction_of_pixel(pixel_q8));
+    let eye = if black_box(true) {
+        Eye::Left
+    } else {
+        Eye::Right
+    };
+    let _ = black_box(lookup.direction_of_eye_pixel(eye, pixel_q8));
+    let direction = Direction {
+        yaw: BinaryAngle(black_box(0)),
+        pitch: BinaryAngle(black_box(0)),
+    };
+    let _ = black_box(lookup.pixel_of_direction(direction));
+}

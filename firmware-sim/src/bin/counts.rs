@@ -1,0 +1,57 @@
+//! Instructions of the core for each output pixel: by format, sampler and kind of pixel.
+#![no_std]
+#![no_main]
+
+use tectum_board::{Counter, entry, exit_success};
+use tectum_core::{Gray8, PixelFormat, Rgb8, Rgb565, Stitcher, Tables, Yuyv};
+use tectum_firmware_sim::{data, log};
+use tectum_fixture::frames::Layout;
+use tectum_fixture::job::{SAMPLERS, pair};
+
+/// Kinds of pixels, each with a table that has no other.
+const KINDS: [(&str, &[u8]); 4] = [
+    ("picture", data::PICTURE),
+    ("one-eye", data::ONE_EYE),
+    ("blend", data::BLEND),
+    ("void", data::VOID),
+];
+
+#[entry]
+fn main() -> ! {
+    static mut ROOM: [u8; data::ROOM_BYTES] = [0; data::ROOM_BYTES];
+    let mut counter = Counter::take();
+    let (instructions, tables) = counter.instructions(|| Tables::parse(data::PICTURE));
+    log_per_pixel("parse", &defmt::unwrap!(tables), instructions);
+    count::<Gray8>(&mut counter, ROOM, Layout::Gray8);
+    count::<Rgb565>(&mut counter, ROOM, Layout::Rgb565);
+    count::<Yuyv>(&mut counter, ROOM, Layout::Yuyv);
+    count::<Rgb8>(&mut counter, ROOM, Layout::Rgb8);
+    exit_success()
+}
+
+fn count<F: PixelFormat>(counter: &mut Counter, room: &mut [u8], layout: Layout) {
+    for (sampler_name, sampler) in SAMPLERS {
+        for (kind, table) in KINDS {
+            let tables = defmt::unwrap!(Tables::parse(table));
+            let [left, right] = pair::<F>(&tables, data::frames(layout)).expect("wrong frames");
+            let stitcher = defmt::unwrap!(Stitcher::<F>::new(&tables, sampler));
+            let stride = stitcher.row_bytes();
+            let (instructions, result) =
+                counter.instructions(|| stitcher.frame(&left, &right, room, stride));
+            defmt::unwrap!(result);
+            log_per_pixel(
+                &format_args!("{} {sampler_name} {kind}", F::NAME),
+                &tables,
+                instructions,
+            );
+        }
+    }
+}
+
+fn log_per_pixel(what: impl core::fmt::Display, tables: &Tables, instructions: u64) {
+    let width = u64::from(tables.output_width_px());
+    let pixels = width * u64::from(tables.output_height_px());
+    let hundredths = (100 * instructions + pixels / 2) / pixels;
+    let (whole, rest) = (hundredths / 100, hundredths % 100);
+    log(&format_args!("{what} {whole}.{rest:02} instructions/px"));
+}

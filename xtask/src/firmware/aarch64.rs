@@ -1,0 +1,77 @@
+//! `cargo xtask aarch64`: the tests of the core on the SoC side's processor, emulated.
+
+use anyhow::{Context, bail};
+use console::style;
+
+use super::packages::{self, Need};
+use super::{repository, target_dir, toolchain};
+
+const TARGET: &str = "aarch64-unknown-linux-gnu";
+const NEEDS: &[Need] = &[
+    Need {
+        file: "/usr/bin/rustc",
+        package: "rustc-web",
+    },
+    Need {
+        file: "/usr/bin/cargo",
+        package: "cargo-web",
+    },
+    Need {
+        file: "/usr/lib/rustlib/aarch64-unknown-linux-gnu/lib",
+        package: "libstd-rust-web-dev:arm64",
+    },
+    Need {
+        file: "/usr/bin/aarch64-linux-gnu-gcc",
+        package: "gcc-aarch64-linux-gnu",
+    },
+    Need {
+        file: "/usr/aarch64-linux-gnu/lib/libc.so.6",
+        package: "libc6-dev-arm64-cross",
+    },
+    Need {
+        file: "/usr/bin/qemu-aarch64",
+        package: "qemu-user",
+    },
+];
+
+/// Arguments of `cargo xtask aarch64`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Packages to test
+    #[arg(default_values = ["tectum-tables", "tectum-core"])]
+    packages: Vec<String>,
+}
+
+/// Builds the tests with Debian's cross compiler and runs them under user-mode QEMU.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    if !packages::ensure(NEEDS, Some("arm64")) {
+        println!(
+            "{} aarch64 tests: as root `dpkg --add-architecture arm64`, `apt-get update` and \
+             `apt-get install {}`",
+            style("skipped").yellow(),
+            packages::names(NEEDS)
+        );
+        return Ok(());
+    }
+    let mut cargo = toolchain::debian_cargo();
+    cargo
+        .args(["test", "--locked", "--target", TARGET, "--target-dir"])
+        .arg(target_dir("aarch64"))
+        // Examples in the documentation would need rustdoc's own cross set-up.
+        .args(["--lib", "--tests"])
+        .args(args.packages.iter().flat_map(|package| ["-p", package]))
+        .env(
+            "CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER",
+            "aarch64-linux-gnu-gcc",
+        )
+        .env(
+            "CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER",
+            "qemu-aarch64 -L /usr/aarch64-linux-gnu",
+        )
+        .current_dir(repository());
+    let status = cargo.status().context("starting Debian's cargo")?;
+    if !status.success() {
+        bail!("tests failed on emulated aarch64");
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! `cargo xtask firmware`: the core on emulated Cortex-M boards.
+
+pub mod aarch64;
+mod board;
+mod build;
+mod emulate;
+mod host;
+mod packages;
+mod proofs;
+mod report;
+mod snapshot;
+mod test;
+mod toolchain;
+
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+
+/// Arguments of `cargo xtask firmware`.
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Build, emulate and compare every program with its snapshot and with the host
+    Test(test::Args),
+    /// Print the measured figures (from the snapshots, which `test` keeps true)
+    Report(report::Args),
+}
+
+/// Runs `cargo xtask firmware`.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    match args.command {
+        Command::Test(args) => test::run(&args),
+        Command::Report(args) => report::run(&args),
+    }
+}
+
+/// The repository's top folder.
+fn repository() -> &'static Path {
+    let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
+    xtask.parent().unwrap_or(xtask)
+}
+
+/// The firmware workspace.
+fn workspace() -> PathBuf {
+    repository().join("firmware-sim")
+}
+
+/// A folder for build products of a cross build, inside the target folder in use.
+fn target_dir(name: &str) -> PathBuf {
+    let base = std::env::var_os("CARGO_TARGET_DIR").map_or_else(
+        || repository().join("target"),
+        |dir| repository().join(PathBuf::from(dir)),
+    );
+    base.join(name)
+}
