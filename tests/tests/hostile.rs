@@ -2,37 +2,9 @@
 //! memory access are on here, so a position outside a frame that got past the parser fails.
 
 use rand::RngExt;
-use tectum_bake::{Format, Pair, Pass, stitch};
-use tectum_core::{Eye, Sampler, TableError, Tables};
+use tectum_core::{Eye, TableError, Tables};
 use tectum_tables::builder::{MeshData, TableBuilder, seal};
-use tectum_tests::{rng, table};
-
-/// Runs a table that parsed over frames of exactly the size it states.
-fn run(tables: &Tables<'_>) {
-    let [left, right] = Eye::BOTH.map(|eye| tables.source_size_px(eye).unwrap_or([0, 0]));
-    for format in Format::ALL {
-        let bytes =
-            |[w, h]: [u16; 2]| vec![1; usize::from(w) * usize::from(h) * format.bytes_per_pixel()];
-        let (left, right) = (bytes(left), bytes(right));
-        for sampler in [Sampler::Nearest, Sampler::Bilinear] {
-            // Formats that do not fit the sizes are refused; nothing may panic.
-            let _ = stitch(
-                tables,
-                format,
-                sampler,
-                Pass::Both,
-                Pair {
-                    left: &left,
-                    right: &right,
-                },
-            );
-        }
-    }
-}
-
-fn run_if_valid(bytes: &[u8]) -> Result<(), TableError> {
-    Tables::parse(bytes).map(|tables| run(&tables))
-}
+use tectum_tests::{parse_and_run, rng, table};
 
 fn small_table(seed: u64) -> TableBuilder {
     table(&mut rng(seed), [20, 6])
@@ -45,7 +17,7 @@ fn every_flipped_byte_is_noticed() {
         for flip in [0x01, 0x80, 0xff] {
             let mut bytes = bytes.clone();
             bytes[i] ^= flip;
-            assert!(run_if_valid(&bytes).is_err(), "byte {i} ^ {flip:#x}");
+            assert!(parse_and_run(&bytes).is_err(), "byte {i} ^ {flip:#x}");
         }
     }
 }
@@ -58,7 +30,7 @@ fn every_flipped_byte_behind_a_right_checksum_is_safe() {
             let mut bytes = bytes.clone();
             bytes[i] ^= [0x01, 0x40, 0x80, 0xff][seed as usize % 4];
             seal(&mut bytes);
-            let _ = run_if_valid(&bytes);
+            let _ = parse_and_run(&bytes);
         }
     }
 }
@@ -73,7 +45,7 @@ fn random_damage_behind_a_right_checksum_is_safe() {
             bytes[i] = rng.random();
         }
         seal(&mut bytes);
-        let _ = run_if_valid(&bytes);
+        let _ = parse_and_run(&bytes);
     }
 }
 
@@ -88,7 +60,7 @@ fn every_truncation_is_refused() {
         }
         seal(&mut sealed);
         assert!(
-            run_if_valid(&sealed).is_err(),
+            parse_and_run(&sealed).is_err(),
             "{length} bytes with a right length and checksum"
         );
     }
@@ -116,7 +88,7 @@ fn a_position_over_any_edge_is_refused() {
     };
     let [right, bottom] = [9 * 256 - 1, 7 * 256 - 1];
     for inside in [[0, 0], [right, 0], [0, bottom], [right, bottom]] {
-        assert_eq!(run_if_valid(&constant(inside)), Ok(()), "{inside:?}");
+        assert_eq!(parse_and_run(&constant(inside)), Ok(()), "{inside:?}");
     }
     for outside in [[-1, 0], [0, -1], [right + 1, 0], [0, bottom + 1]] {
         let error = Tables::parse(&constant(outside)).unwrap_err();
@@ -129,4 +101,16 @@ fn a_position_over_any_edge_is_refused() {
             "{outside:?}"
         );
     }
+}
+
+#[test]
+fn the_fuzz_corpus_is_safe() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/corpus/tables");
+    let mut files = 0;
+    for entry in std::fs::read_dir(folder).expect("the corpus is part of the repository") {
+        let bytes = std::fs::read(entry.expect("readable").path()).expect("readable");
+        let _ = parse_and_run(&bytes);
+        files += 1;
+    }
+    assert!(files >= 8, "{files} files: the corpus is not complete");
 }

@@ -3,6 +3,7 @@
 mod format;
 pub mod mesh;
 pub mod reference;
+pub mod seam;
 
 pub use format::{Format, Pair, Pass, stitch};
 
