@@ -19,11 +19,13 @@
 /// 2^16, with a fraction below 2^24 and rounding of 2^15 + 2^23 added, that stays below 2^31.
 pub const MAX_VERTEX_DIFFERENCE_Q8: i32 = 25_600;
 
-/// Bits after the binary point of [`Axis`]'s accumulator: a Q8 position with 16 more bits, which
+/// Bits after the binary point of an [`Offset`]: a Q8 position with 16 more bits, which
 /// is what the exact cubic of the largest step (32 = 2^5: 2 S^3 = 2^16) needs.
 pub(crate) const ACCUMULATOR_BITS: u32 = 24;
 /// Largest step: `2 * 32^3` is the 2^16 that [`ACCUMULATOR_BITS`] leaves.
 pub(crate) const MAX_STEP_LOG2: u32 = 5;
+/// Most pixels in a [`Segment`].
+pub const MAX_SEGMENT_PX: usize = 1 << MAX_STEP_LOG2;
 
 /// Vertical half of the upsampling: weights of one output row, shared by all vertex columns.
 #[derive(Debug, Clone, Copy)]
@@ -65,13 +67,30 @@ impl RowWeights {
     }
 }
 
-/// Steps one coordinate of the source position through the pixels of a cell.
-///
-/// The position is `base_px` plus an accumulator in Q24, whose upper bits are a Q8 position.
+/// Signed distance from an [`Axis`]'s whole-pixel base to a position, px in Q24.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Offset(i32);
+
+impl Offset {
+    /// Whole pixels, rounded down: -128..=127.
+    #[inline(always)]
+    pub fn px(self) -> i32 {
+        self.0 >> ACCUMULATOR_BITS
+    }
+
+    /// What is left over, in Q8: 0..=255.
+    #[inline(always)]
+    pub fn fraction_q8(self) -> u32 {
+        (self.0 as u32 >> 16) & 255
+    }
+}
+
+/// Steps one coordinate of the source position through the pixels of a cell, by forward
+/// differences of its cubic.
 #[derive(Debug, Clone, Copy)]
 pub struct Axis {
     base_px: i32,
-    accumulator: i32,
+    offset: Offset,
     difference: [i32; 3],
 }
 
@@ -81,67 +100,68 @@ impl Axis {
     pub(crate) fn new(p: [i32; 4], origin_px: i32, k: i32, step_log2: u32) -> Self {
         let [p0, p1, p2, p3] = p;
         let a1 = p2.wrapping_sub(p0);
-        let a2 = (2i32.wrapping_mul(p0))
-            .wrapping_sub(5i32.wrapping_mul(p1))
-            .wrapping_add(4i32.wrapping_mul(p2))
-            .wrapping_sub(p3);
         let a3 = 3i32
             .wrapping_mul(p1.wrapping_sub(p2))
             .wrapping_add(p3)
             .wrapping_sub(p0);
+        // The cubic passes through p2 at t = 1: A1 + A2 + A3 = 2 (p2 - p1).
+        let a2 = p2
+            .wrapping_sub(p1)
+            .wrapping_mul(2)
+            .wrapping_sub(a1)
+            .wrapping_sub(a3);
         // Scaled from 2 S^3 to 2^16, so that every step shares one binary point.
         let c1 = a1.wrapping_shl(15 - step_log2);
         let c2 = a2.wrapping_shl(15 - 2 * step_log2);
         let c3 = a3.wrapping_shl(15 - 3 * step_log2);
-        let polynomial = c3
-            .wrapping_mul(k)
-            .wrapping_add(c2)
-            .wrapping_mul(k)
-            .wrapping_add(c1)
-            .wrapping_mul(k);
-        Self {
+        let start = ((p1 & 255) << 16).wrapping_add(1 << 15);
+        let mut axis = Self {
             base_px: origin_px + (p1 >> 8),
-            accumulator: ((p1 & 255) << 16)
-                .wrapping_add(1 << 15)
-                .wrapping_add(polynomial),
+            offset: Offset(start),
             difference: [
-                c1.wrapping_add(c2.wrapping_mul(2 * k + 1))
-                    .wrapping_add(c3.wrapping_mul(3 * k * (k + 1) + 1)),
-                c2.wrapping_mul(2)
-                    .wrapping_add(c3.wrapping_mul(6 * (k + 1))),
+                c1.wrapping_add(c2).wrapping_add(c3),
+                c2.wrapping_mul(2).wrapping_add(c3.wrapping_mul(6)),
                 c3.wrapping_mul(6),
             ],
+        };
+        // Only a run's first cell is entered in its middle.
+        if k != 0 {
+            axis.advance(k);
+        }
+        axis
+    }
+
+    /// Steps `k` times.
+    #[cold]
+    #[inline(never)]
+    fn advance(&mut self, k: i32) {
+        for _ in 0..k {
+            self.step();
         }
     }
 
-    /// Whole pixels of the cell's start; add [`Axis::offset_px`] for the position.
+    /// Whole pixels of the cell's start; add [`Axis::offset`] for the position.
     #[inline(always)]
     pub fn base_px(&self) -> i32 {
         self.base_px
     }
 
-    /// Whole pixels from [`Axis::base_px`] to the position, rounded down: -128..=127.
+    /// From [`Axis::base_px`] to the position of the present pixel.
     #[inline(always)]
-    pub fn offset_px(&self) -> i32 {
-        self.accumulator >> ACCUMULATOR_BITS
-    }
-
-    /// Fraction of the position in Q8: 0..=255.
-    #[inline(always)]
-    pub fn fraction_q8(&self) -> u32 {
-        (self.accumulator as u32 >> 16) & 255
+    pub fn offset(&self) -> Offset {
+        self.offset
     }
 
     /// Position in Q8 pixels.
     #[inline(always)]
     pub fn position_q8(&self) -> i32 {
-        (self.base_px << 8) + (self.accumulator >> 16)
+        (self.base_px << 8) + (self.offset.0 >> 16)
     }
 
-    /// The same axis moved on by half a pixel, so that [`Axis::offset_px`] rounds to nearest.
+    /// The same axis moved on by half a pixel, so that [`Offset::px`] rounds to nearest.
     #[inline(always)]
     pub fn rounding_to_nearest(mut self) -> Self {
-        self.accumulator = self.accumulator.wrapping_add(1 << (ACCUMULATOR_BITS - 1));
+        self.offset.0 = self.offset.0.wrapping_add(1 << (ACCUMULATOR_BITS - 1));
         self
     }
 
@@ -149,7 +169,7 @@ impl Axis {
     #[inline(always)]
     pub fn step(&mut self) {
         let [d1, d2, d3] = self.difference;
-        self.accumulator = self.accumulator.wrapping_add(d1);
+        self.offset.0 = self.offset.0.wrapping_add(d1);
         self.difference = [d1.wrapping_add(d2), d2.wrapping_add(d3), d3];
     }
 }
@@ -211,10 +231,10 @@ mod tests {
             for k in k0..step {
                 let exact = catmull_rom(p.map(f64::from), f64::from(k) / f64::from(step));
                 prop_assert_eq!(axis.position_q8(), 7 * 256 + (exact + 0.5).floor() as i32);
-                let whole = axis.base_px() + axis.offset_px();
-                prop_assert_eq!(whole * 256 + axis.fraction_q8() as i32, axis.position_q8());
+                let whole = axis.base_px() + axis.offset().px();
+                prop_assert_eq!(whole * 256 + axis.offset().fraction_q8() as i32, axis.position_q8());
                 prop_assert_eq!(
-                    axis.rounding_to_nearest().offset_px() + axis.base_px(),
+                    axis.rounding_to_nearest().offset().px() + axis.base_px(),
                     (axis.position_q8() + 128) >> 8
                 );
                 axis.step();

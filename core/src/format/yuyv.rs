@@ -3,7 +3,7 @@
 use tectum_tables::{Segment, Segments};
 
 use super::{Kernel, PixelFormat};
-use crate::kernel::{Position, Sink, Source, bilinear};
+use crate::kernel::{Offsets, Position, Sink, Source, bilinear};
 
 /// Four bytes to a pair of pixels: Y0 U Y1 V, chroma sited on the even pixel (as in MPEG-2 and
 /// UVC). Luma is sampled for every pixel; the chroma of a pair is sampled where its even pixel
@@ -20,18 +20,19 @@ impl PixelFormat for Yuyv {
 /// Chroma of grey.
 const NEUTRAL: u8 = 128;
 
+/// Where a pixel looks: whole pixels, and fractions in Q8.
+#[derive(Clone, Copy)]
+struct At {
+    px: [i32; 2],
+    fraction_q8: [u32; 2],
+}
+
 #[inline(always)]
-fn luma<P: Position>(source: &Source<'_>, at: &Segment) -> u32 {
-    let offset = source.offset(
-        at.x.base_px() + at.x.offset_px(),
-        at.y.base_px() + at.y.offset_px(),
-        2,
-    );
+fn luma<P: Position>(source: &Source<'_>, at: At) -> u32 {
+    let [x, y] = at.px;
+    let offset = source.offset(x, y, 2);
     if P::INTERPOLATES {
-        bilinear(
-            source.box_2x2(offset, 2),
-            [at.x.fraction_q8(), at.y.fraction_q8()],
-        )
+        bilinear(source.box_2x2(offset, 2), at.fraction_q8)
     } else {
         source.byte(offset)
     }
@@ -39,20 +40,23 @@ fn luma<P: Position>(source: &Source<'_>, at: &Segment) -> u32 {
 
 /// U and V at a luma position: half of it is the position among chroma samples.
 #[inline(always)]
-fn chroma<P: Position>(source: &Source<'_>, at: &Segment) -> [u32; 2] {
-    let x = (at.x.base_px() + at.x.offset_px()) as usize;
-    let y = at.y.base_px() + at.y.offset_px();
-    let offset = source.offset((x / 2) as i32, y, 4);
+fn chroma<P: Position>(source: &Source<'_>, at: At) -> [u32; 2] {
+    let ([x, y], [fraction_x, fraction_y]) = (at.px, at.fraction_q8);
+    let offset = source.offset(x >> 1, y, 4);
     if !P::INTERPOLATES {
         return [source.byte(offset + 1), source.byte(offset + 3)];
     }
-    let fraction_x = ((x as u32 % 2) << 8 | at.x.fraction_q8()) / 2;
+    let fraction_x = ((x as u32 & 1) << 8 | fraction_x) >> 1;
     // The last chroma sample of a row has no right neighbour: it stands for it itself.
-    let pitch = if x / 2 + 1 < source.width() / 2 { 4 } else { 0 };
+    let pitch = if (x as usize >> 1) + 1 < source.width() >> 1 {
+        4
+    } else {
+        0
+    };
     [1, 3].map(|byte| {
         bilinear(
             source.box_2x2(offset + byte, pitch),
-            [fraction_x, at.y.fraction_q8()],
+            [fraction_x, fraction_y],
         )
     })
 }
@@ -83,28 +87,34 @@ impl Kernel for Yuyv {
         row: &mut [u8],
         start: usize,
     ) {
+        let mut offsets = Offsets::new();
         let mut column = start;
         for segment in segments {
-            let mut at = P::prepare(segment);
-            let end = column + at.len as usize;
+            let Segment { len, x, mut y } = P::prepare(segment);
+            let end = column + len as usize;
             let pairs = row
                 .get_mut(column / 2 * 4..end.div_ceil(2) * 4)
                 .unwrap_or_default();
+            let mut positions = offsets.fill(x, len as usize).iter().map(|offset_x| {
+                let offset_y = y.offset();
+                y.step();
+                At {
+                    px: [x.base_px() + offset_x.px(), y.base_px() + offset_y.px()],
+                    fraction_q8: [offset_x.fraction_q8(), offset_y.fraction_q8()],
+                }
+            });
             for [y0, u, y1, v] in pairs.as_chunks_mut().0 {
                 if column.is_multiple_of(2) {
-                    *y0 = sink.mix(u32::from(*y0), luma::<P>(&source, &at)) as u8;
-                    let [new_u, new_v] = chroma::<P>(&source, &at);
+                    let Some(at) = positions.next() else { break };
+                    *y0 = sink.mix(u32::from(*y0), luma::<P>(&source, at)) as u8;
+                    let [new_u, new_v] = chroma::<P>(&source, at);
                     *u = sink.mix(u32::from(*u), new_u) as u8;
                     *v = sink.mix(u32::from(*v), new_v) as u8;
-                    at.step();
                     sink.step();
                     column += 1;
-                    if column == end {
-                        break;
-                    }
                 }
-                *y1 = sink.mix(u32::from(*y1), luma::<P>(&source, &at)) as u8;
-                at.step();
+                let Some(at) = positions.next() else { break };
+                *y1 = sink.mix(u32::from(*y1), luma::<P>(&source, at)) as u8;
                 sink.step();
                 column += 1;
             }

@@ -2,7 +2,7 @@
 
 use core::mem;
 
-use tectum_tables::{Segment, Segments};
+use tectum_tables::{Axis, MAX_SEGMENT_PX, Offset, Segment, Segments};
 
 use super::Source;
 
@@ -43,6 +43,30 @@ impl Position for Nearest {
     }
 }
 
+/// Offsets of one axis through a segment.
+///
+/// Stepping both axes and sampling in one loop needs more registers than a Cortex-M has; one axis
+/// at a time through this small buffer costs a store and a load a pixel instead of a dozen spills.
+pub(crate) struct Offsets([Offset; MAX_SEGMENT_PX]);
+
+impl Offsets {
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        Self([Offset::default(); MAX_SEGMENT_PX])
+    }
+
+    /// Offsets of `axis` at the next `len` pixels.
+    #[inline(always)]
+    pub(crate) fn fill(&mut self, mut axis: Axis, len: usize) -> &[Offset] {
+        let offsets = self.0.get_mut(..len).unwrap_or_default();
+        for offset in &mut *offsets {
+            *offset = axis.offset();
+            axis.step();
+        }
+        offsets
+    }
+}
+
 /// Calls `pixel` for each pixel of a run with its bytes in the output row, the byte offset of its
 /// source position and the position's fractions in Q8.
 #[inline(always)]
@@ -53,21 +77,20 @@ pub(crate) fn walk<P: Position, const BYTES: usize>(
     start: usize,
     mut pixel: impl FnMut(&mut [u8; BYTES], usize, [u32; 2]),
 ) {
+    let mut offsets = Offsets::new();
     let mut rest = row.get_mut(start * BYTES..).unwrap_or_default();
     for segment in segments {
-        let mut segment = P::prepare(segment);
-        let length = segment.len as usize * BYTES;
-        let Some((now, later)) = mem::take(&mut rest).split_at_mut_checked(length) else {
+        let Segment { len, x, mut y } = P::prepare(segment);
+        let len = len as usize;
+        let Some((now, later)) = mem::take(&mut rest).split_at_mut_checked(len * BYTES) else {
             return;
         };
         rest = later;
-        let base = source.offset(segment.x.base_px(), segment.y.base_px(), BYTES);
-        for out in now.as_chunks_mut().0 {
-            let Segment { x, y, .. } = &segment;
-            let offset = source.offset(x.offset_px(), y.offset_px(), BYTES);
-            let fraction_q8 = [x.fraction_q8(), y.fraction_q8()];
-            pixel(out, base.wrapping_add(offset), fraction_q8);
-            segment.step();
+        let base = source.offset(x.base_px(), y.base_px(), BYTES);
+        for (out, x) in now.as_chunks_mut().0.iter_mut().zip(offsets.fill(x, len)) {
+            let at = base.wrapping_add(source.offset(x.px(), y.offset().px(), BYTES));
+            pixel(out, at, [x.fraction_q8(), y.offset().fraction_q8()]);
+            y.step();
         }
     }
 }
