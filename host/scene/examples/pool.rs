@@ -20,13 +20,35 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(folder)?;
     let scene = Scene::new(&SceneDescription::furnished(Medium::default()))?;
 
-    let eye = |yaw_deg| Pose { yaw_deg, pitch_deg: -TILT_DEG, ..Pose::default() };
+    let eye = |yaw_deg| Pose {
+        yaw_deg,
+        pitch_deg: -TILT_DEG,
+        ..Pose::default()
+    };
     let left = equidistant(960, 210.0, eye(90.0 - FORWARD_DEG));
     let right = equidistant(960, 210.0, eye(FORWARD_DEG - 90.0));
-    write(&scene, &folder.join("left.png"), [960, 960], &left, RenderOptions::real_camera(1))?;
-    write(&scene, &folder.join("right.png"), [960, 960], &right, RenderOptions::real_camera(2))?;
+    write(
+        &scene,
+        &folder.join("left.png"),
+        [960, 960],
+        &left,
+        RenderOptions::real_camera(1),
+    )?;
+    write(
+        &scene,
+        &folder.join("right.png"),
+        [960, 960],
+        &right,
+        RenderOptions::real_camera(2),
+    )?;
     let sphere = equirect(2048, 1024, Pose::default());
-    write(&scene, &folder.join("sphere.png"), [2048, 1024], &sphere, RenderOptions::default())
+    write(
+        &scene,
+        &folder.join("sphere.png"),
+        [2048, 1024],
+        &sphere,
+        RenderOptions::default(),
+    )
 }
 
 fn write(
@@ -38,7 +60,13 @@ fn write(
 ) -> Result<(), Box<dyn std::error::Error>> {
     let start = Instant::now();
     let picture = render(scene, width, height, camera, &options)?;
-    println!("{}: {width}x{height} in {:.2} s", file.display(), start.elapsed().as_secs_f64());
-    RgbImage::from_raw(width, height, picture.rgb).ok_or("picture size")?.save(file)?;
+    println!(
+        "{}: {width}x{height} in {:.2} s",
+        file.display(),
+        start.elapsed().as_secs_f64()
+    );
+    RgbImage::from_raw(width, height, picture.rgb)
+        .ok_or("picture size")?
+        .save(file)?;
     Ok(())
 }

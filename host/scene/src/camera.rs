@@ -33,7 +33,10 @@ pub fn equirect(width: u32, height: u32, pose: Pose) -> impl Fn(f64, f64) -> Opt
     move |x_px, y_px| {
         let (sy, cy) = libm::sincos(PI - (x_px + 0.5) * 2.0 * PI / f64::from(width));
         let (sp, cp) = libm::sincos(-PI / 2.0 + (y_px + 0.5) * PI / f64::from(height));
-        Some(Ray::new(pose.position_m, axes * Vector3::new(cp * cy, cp * sy, -sp)))
+        Some(Ray::new(
+            pose.position_m,
+            axes * Vector3::new(cp * cy, cp * sy, -sp),
+        ))
     }
 }
 
@@ -59,7 +62,10 @@ pub fn equidistant(
         let (s, c) = libm::sincos(theta);
         // The limit of sin(theta)/radius at the centre is the angle of a pixel.
         let scale = if radius > 0.0 { s / radius } else { rad_per_px };
-        Some(Ray::new(pose.position_m, axes * Vector3::new(c, -right * scale, -down * scale)))
+        Some(Ray::new(
+            pose.position_m,
+            axes * Vector3::new(c, -right * scale, -down * scale),
+        ))
     }
 }
 
@@ -78,7 +84,14 @@ mod tests {
 
     #[test]
     fn fisheye_rim_is_half_the_field_off_axis() {
-        let view = equidistant(100, 210.0, Pose { yaw_deg: 90.0, ..Pose::default() });
+        let view = equidistant(
+            100,
+            210.0,
+            Pose {
+                yaw_deg: 90.0,
+                ..Pose::default()
+            },
+        );
         let rim = view(99.5, 49.5).unwrap().direction;
         // Looking left, the right side of the picture is ahead and, past 90 degrees, right.
         assert!((rim.x - libm::sin(105f64.to_radians())).abs() < 1e-12);

@@ -39,7 +39,12 @@ fn boards() -> Vec<Board> {
         columns,
         rows,
         square_mm,
-        pose: PanelPose { position_m, yaw_deg, pitch_deg, roll_deg },
+        pose: PanelPose {
+            position_m,
+            yaw_deg,
+            pitch_deg,
+            roll_deg,
+        },
     };
     vec![
         board(8, 6, 110.0, [1.75, -0.12, 0.10], 176.0, 6.0, 3.0),
@@ -53,7 +58,12 @@ fn markers() -> Vec<Marker> {
         dictionary: "DICT_4X4_50".into(),
         id,
         size_mm,
-        pose: PanelPose { position_m, yaw_deg, pitch_deg, roll_deg: 0.0 },
+        pose: PanelPose {
+            position_m,
+            yaw_deg,
+            pitch_deg,
+            roll_deg: 0.0,
+        },
     };
     vec![
         marker(0, 700.0, [5.98, 2.90, 0.15], 180.0, 0.0),
@@ -70,11 +80,18 @@ fn markers() -> Vec<Marker> {
 }
 
 fn pole(from_m: [f64; 3], to_m: [f64; 3], radius_mm: f64, paint: Paint) -> Solid {
-    paint.on(Shape::Pole { from_m, to_m, radius_mm })
+    paint.on(Shape::Pole {
+        from_m,
+        to_m,
+        radius_mm,
+    })
 }
 
 fn ball(center_m: [f64; 3], radius_mm: f64, paint: Paint) -> Solid {
-    paint.on(Shape::Sphere { center_m, radius_mm })
+    paint.on(Shape::Sphere {
+        center_m,
+        radius_mm,
+    })
 }
 
 /// Two colours and the width of their bands, mm.
@@ -83,7 +100,12 @@ struct Paint([f64; 3], [f64; 3], f64);
 
 impl Paint {
     fn on(self, shape: Shape) -> Solid {
-        Solid { shape, color: self.0, band_color: self.1, band_mm: self.2 }
+        Solid {
+            shape,
+            color: self.0,
+            band_color: self.1,
+            band_mm: self.2,
+        }
     }
 }
 
@@ -101,7 +123,10 @@ fn gate() -> Vec<Solid> {
 fn buoys() -> Vec<Solid> {
     let tethered = |x, y, z, radius_mm, paint| {
         let rope = Paint(WHITE, BLACK, 60.0);
-        [ball([x, y, z], radius_mm, paint), pole([x, y, -1.2], [x, y, z], 8.0, rope)]
+        [
+            ball([x, y, z], radius_mm, paint),
+            pole([x, y, -1.2], [x, y, z], 8.0, rope),
+        ]
     };
     let mut buoys = [
         tethered(1.25, 1.35, -0.10, 170.0, Paint(ORANGE, WHITE, 110.0)),
@@ -119,21 +144,58 @@ fn buoys() -> Vec<Solid> {
 
 fn lane_ropes() -> Vec<Solid> {
     let rope = |y, paint| pole([-5.9, y, 1.17], [5.9, y, 1.17], 55.0, paint);
-    vec![rope(2.6, Paint(RED, WHITE, 300.0)), rope(-2.6, Paint(BLUE, YELLOW, 300.0))]
+    vec![
+        rope(2.6, Paint(RED, WHITE, 300.0)),
+        rope(-2.6, Paint(BLUE, YELLOW, 300.0)),
+    ]
 }
 
 /// Crates and a diving stick on the floor.
 fn floor_toys() -> Vec<Solid> {
     let crate_at = |center_m, size_mm, yaw_deg, paint: Paint| {
-        paint.on(Shape::Box { center_m, size_mm, yaw_deg })
+        paint.on(Shape::Box {
+            center_m,
+            size_mm,
+            yaw_deg,
+        })
     };
     vec![
-        crate_at([2.3, 1.75, -0.95], [500.0, 500.0, 500.0], 25.0, Paint(YELLOW, BLUE, 125.0)),
-        crate_at([2.45, -1.80, -1.00], [600.0, 400.0, 400.0], -30.0, Paint(RED, WHITE, 100.0)),
-        crate_at([-0.95, 0.45, -1.05], [400.0, 300.0, 300.0], 60.0, Paint(GREEN, YELLOW, 75.0)),
-        crate_at([-2.40, -2.00, -0.90], [600.0, 600.0, 600.0], 10.0, Paint(BLUE, ORANGE, 150.0)),
-        crate_at([-2.60, 2.30, -0.80], [500.0, 500.0, 800.0], -15.0, Paint(ORANGE, BLACK, 200.0)),
-        pole([0.35, -0.75, -1.17], [0.95, -0.45, -1.17], 30.0, Paint(ORANGE, BLACK, 100.0)),
+        crate_at(
+            [2.3, 1.75, -0.95],
+            [500.0, 500.0, 500.0],
+            25.0,
+            Paint(YELLOW, BLUE, 125.0),
+        ),
+        crate_at(
+            [2.45, -1.80, -1.00],
+            [600.0, 400.0, 400.0],
+            -30.0,
+            Paint(RED, WHITE, 100.0),
+        ),
+        crate_at(
+            [-0.95, 0.45, -1.05],
+            [400.0, 300.0, 300.0],
+            60.0,
+            Paint(GREEN, YELLOW, 75.0),
+        ),
+        crate_at(
+            [-2.40, -2.00, -0.90],
+            [600.0, 600.0, 600.0],
+            10.0,
+            Paint(BLUE, ORANGE, 150.0),
+        ),
+        crate_at(
+            [-2.60, 2.30, -0.80],
+            [500.0, 500.0, 800.0],
+            -15.0,
+            Paint(ORANGE, BLACK, 200.0),
+        ),
+        pole(
+            [0.35, -0.75, -1.17],
+            [0.95, -0.45, -1.17],
+            30.0,
+            Paint(ORANGE, BLACK, 100.0),
+        ),
     ]
 }
 
@@ -142,5 +204,13 @@ fn ladder() -> Vec<Solid> {
     let paint = Paint(STEEL, STEEL, 1000.0);
     let rail = |x| pole([x, -3.85, -0.6], [x, -3.85, 1.9], 28.0, paint);
     let step = |z| pole([0.85, -3.85, z], [1.45, -3.85, z], 22.0, paint);
-    vec![rail(0.85), rail(1.45), step(-0.5), step(-0.1), step(0.3), step(0.7), step(1.1)]
+    vec![
+        rail(0.85),
+        rail(1.45),
+        step(-0.5),
+        step(-0.1),
+        step(0.3),
+        step(0.7),
+        step(1.1),
+    ]
 }

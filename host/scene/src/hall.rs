@@ -22,7 +22,11 @@ pub(crate) fn radiance(
 ) -> Vector3<f64> {
     let reach = |k: usize| {
         let side = (half_m[k] + DECK_M).copysign(direction[k]);
-        if direction[k] == 0.0 { f64::INFINITY } else { (side - from[k]) / direction[k] }
+        if direction[k] == 0.0 {
+            f64::INFINITY
+        } else {
+            (side - from[k]) / direction[k]
+        }
     };
     let up = (rim_z_m + CEILING_M - from.z) / direction.z.max(1e-9);
     let (end, side) = (reach(0), reach(1));
@@ -45,7 +49,10 @@ fn ceiling(x: f64, y: f64, footprint: f64) -> Vector3<f64> {
     panel
         .lerp(&Vector3::new(0.10, 0.09, 0.08), beams)
         .lerp(&Vector3::new(0.75, 0.92, 1.15), skylight)
-        .lerp(&Vector3::new(2.6, 2.4, 2.0), lamps * (1.0 - band(y, footprint, -0.7, 0.7)))
+        .lerp(
+            &Vector3::new(2.6, 2.4, 2.0),
+            lamps * (1.0 - band(y, footprint, -0.7, 0.7)),
+        )
 }
 
 /// Plaster with a timber dado and tall windows; height is above the deck.

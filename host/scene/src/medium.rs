@@ -109,7 +109,11 @@ mod tests {
         // Rounding of a few operations on numbers below 1.
         assert!((twice - water.seen_through(white, 5.0)).amax() < 1e-15);
         let far = water.seen_through(white, 1e4);
-        assert_eq!(far.as_slice(), water.veiling_light, "infinite water is the veiling light");
+        assert_eq!(
+            far.as_slice(),
+            water.veiling_light,
+            "infinite water is the veiling light"
+        );
         assert_eq!(water.seen_through(white, 0.0), white);
     }
 }

@@ -42,13 +42,27 @@ pub(crate) struct Panel {
 impl Panel {
     pub fn board(index: usize, board: &Board) -> Self {
         let cells = [board.columns + 1, board.rows + 1];
-        Self::new(Seen::Board(index), &board.pose, board.square_mm, cells, 1.0, Print::Chess)
+        Self::new(
+            Seen::Board(index),
+            &board.pose,
+            board.square_mm,
+            cells,
+            1.0,
+            Print::Chess,
+        )
     }
 
     pub fn marker(index: usize, marker: &Marker) -> Self {
         // The id was checked against the dictionary's size with the rest of the description.
         let print = Print::Code(DICT_4X4_50[marker.id as usize]);
-        Self::new(Seen::Marker(index), &marker.pose, marker.size_mm / 6.0, [6, 6], 2.0, print)
+        Self::new(
+            Seen::Marker(index),
+            &marker.pose,
+            marker.size_mm / 6.0,
+            [6, 6],
+            2.0,
+            print,
+        )
     }
 
     fn new(
@@ -61,13 +75,20 @@ impl Panel {
     ) -> Self {
         let facing = body_axes(pose.yaw_deg, pose.pitch_deg, 0.0);
         // A reader looks along -forward, so the body's left is to the reader's right.
-        let (right, down) = (facing.column(1).into_owned(), -facing.column(2).into_owned());
+        let (right, down) = (
+            facing.column(1).into_owned(),
+            -facing.column(2).into_owned(),
+        );
         let (sr, cr) = libm::sincos(pose.roll_deg.to_radians());
         let cell_m = cell_mm / 1000.0;
         Self {
             seen,
             center: Point3::from(pose.position_m),
-            axes: [right * cr + down * sr, down * cr - right * sr, -facing.column(0).into_owned()],
+            axes: [
+                right * cr + down * sr,
+                down * cr - right * sr,
+                -facing.column(0).into_owned(),
+            ],
             half_m: cells.map(|n| (f64::from(n) + margin_cells) * cell_m / 2.0),
             cell_m,
             cells,
@@ -89,36 +110,41 @@ impl Panel {
         self.cells
     }
 
-    pub fn meet(&self, ray: &Ray, max_range_m: f64) -> Option<Contact> {
-        let toward = ray.direction.dot(&self.axes[2]);
-        let range_m = (self.center - ray.origin_m).dot(&self.axes[2]) / toward;
+    /// Range at which a ray meets the panel, if that is below `max_range_m`.
+    pub fn range_m(&self, ray: &Ray, max_range_m: f64) -> Option<f64> {
+        let away = self.center - ray.origin_m;
+        let range_m = away.dot(&self.axes[2]) / ray.direction.dot(&self.axes[2]);
         // An edge-on panel gives an infinite or undefined range, which no comparison lets through.
         if !(range_m > 1e-6 && range_m < max_range_m) {
             return None;
         }
+        let local = ray.direction.into_inner() * range_m - away;
+        let inside = |k: usize| local.dot(&self.axes[k]).abs() <= self.half_m[k];
+        (inside(0) && inside(1)).then_some(range_m)
+    }
+
+    /// The surface point that [`Panel::range_m`] found.
+    pub fn contact(&self, ray: &Ray, range_m: f64) -> Contact {
         let point = ray.at(range_m);
-        let uv_m = [0, 1].map(|k| (point - self.center).dot(&self.axes[k]));
-        if uv_m[0].abs() > self.half_m[0] || uv_m[1].abs() > self.half_m[1] {
-            return None;
-        }
-        let front = toward > 0.0;
-        Some(Contact {
+        let front = ray.direction.dot(&self.axes[2]) > 0.0;
+        Contact {
             seen: if front { self.seen } else { Seen::Backing },
             range_m,
             point,
             normal: if front { -self.axes[2] } else { self.axes[2] },
             u_axis: self.axes[0],
             v_axis: self.axes[1],
-            uv_m,
-        })
+            uv_m: [0, 1].map(|k| (point - self.center).dot(&self.axes[k])),
+        }
     }
 
     /// Mean reflectance of the print over a footprint around `uv_m`.
     pub fn reflectance(&self, uv_m: [f64; 2], footprint_m: [f64; 2]) -> f64 {
-        let at =
-            [0, 1].map(|k| uv_m[k] / self.cell_m + f64::from(self.cells[k]) / 2.0);
+        let at = [0, 1].map(|k| uv_m[k] / self.cell_m + f64::from(self.cells[k]) / 2.0);
         let width = footprint_m.map(|f| f / self.cell_m);
-        let white = box_mean(at, width, self.cells, 1.0, |i, j| f64::from(self.white(i, j)));
+        let white = box_mean(at, width, self.cells, 1.0, |i, j| {
+            f64::from(self.white(i, j))
+        });
         INK + (PAPER - INK) * white
     }
 

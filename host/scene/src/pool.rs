@@ -41,8 +41,16 @@ impl Basin {
             (self.half_m[k].copysign(speed) - ray.origin_m[k]) / speed
         };
         // Along an axis with no speed the range is infinite (or 0/0, which `<` never picks).
-        let axis = if to_side(0) < to_side(1) || ray.direction.y == 0.0 { 0 } else { 1 };
-        let side_m = if ray.direction[axis] == 0.0 { f64::INFINITY } else { to_side(axis) };
+        let axis = if to_side(0) < to_side(1) || ray.direction.y == 0.0 {
+            0
+        } else {
+            1
+        };
+        let side_m = if ray.direction[axis] == 0.0 {
+            f64::INFINITY
+        } else {
+            to_side(axis)
+        };
         let floor_m = (-self.half_m.z - ray.origin_m.z) / ray.direction.z;
         if ray.direction.z < 0.0 && floor_m <= side_m {
             let point = ray.at(floor_m);
@@ -57,8 +65,8 @@ impl Basin {
             });
         }
         let point = ray.at(side_m);
-        // Written so that an undefined height counts as the top.
-        if !(point.z <= self.rim_z_m) {
+        // Straight up there is no side, and no height at which it is met.
+        if side_m.is_infinite() || point.z > self.rim_z_m {
             return None;
         }
         let positive = ray.direction[axis] > 0.0;
@@ -70,7 +78,11 @@ impl Basin {
         };
         let mut normal = Vector3::zeros();
         normal[axis] = if positive { -1.0 } else { 1.0 };
-        let u_axis = if axis == 0 { Vector3::y() } else { Vector3::x() };
+        let u_axis = if axis == 0 {
+            Vector3::y()
+        } else {
+            Vector3::x()
+        };
         Some(Contact {
             seen: Seen::Wall(wall),
             range_m: side_m,
@@ -100,11 +112,21 @@ impl Basin {
         let sharp = (tile / footprint.max(1e-9) / 2.0 - 0.5).clamp(0.0, 1.0);
 
         let (base, lines) = match wall {
-            None => (Vector3::new(0.46, 0.58, 0.62), self.lane_lines([u, v], [fu, fv])),
-            Some(wall) => (Vector3::new(0.56, 0.66, 0.68), self.wall_lines(wall, [u, v], [fu, fv])),
+            None => (
+                Vector3::new(0.46, 0.58, 0.62),
+                self.lane_lines([u, v], [fu, fv]),
+            ),
+            Some(wall) => (
+                Vector3::new(0.56, 0.66, 0.68),
+                self.wall_lines(wall, [u, v], [fu, fv]),
+            ),
         };
         let accent = wall.map_or(Vector3::new(0.10, 0.32, 0.50), accent);
-        let mosaic = if pick < 0.07 { sharp * 0.55 } else { 0.07 * 0.55 * (1.0 - sharp) };
+        let mosaic = if pick < 0.07 {
+            sharp * 0.55
+        } else {
+            0.07 * 0.55 * (1.0 - sharp)
+        };
         let glaze = base.lerp(&accent, mosaic) * (1.0 + 0.30 * shade * sharp);
         let ink = Vector3::new(0.02, 0.07, 0.20) * (1.0 + 0.4 * shade * sharp);
         let tile_color = glaze.lerp(&ink, lines);
@@ -182,7 +204,10 @@ impl Basin {
         let (x, y) = (x + 0.22 * bend, y - 0.19 * bend);
         let web = |seed: u64, wavelength_m: f64| {
             let keep = (wavelength_m / footprint_m.max(1e-9) / 6.0 - 1.0).clamp(0.0, 1.0);
-            let ridge = 1.0 - gradient(seed, x / wavelength_m, y / wavelength_m).abs().min(1.0);
+            let ridge = 1.0
+                - gradient(seed, x / wavelength_m, y / wavelength_m)
+                    .abs()
+                    .min(1.0);
             let ridge4 = ridge * ridge * ridge * ridge;
             // 0.36 is the mean of the eighth power, measured over many points.
             0.36 + keep * (ridge4 * ridge4 - 0.36)

@@ -16,7 +16,10 @@ impl Ray {
     ///
     /// A direction without length gives a ray that [`crate::Scene::trace`] refuses.
     pub fn new(origin_m: Point3<f64>, direction: Vector3<f64>) -> Self {
-        Self { origin_m, direction: Unit::new_normalize(direction) }
+        Self {
+            origin_m,
+            direction: Unit::new_normalize(direction),
+        }
     }
 
     /// The point at `range_m` along the ray, m.
@@ -56,6 +59,9 @@ mod tests {
         assert!((axes.determinant() - 1.0).abs() < 1e-15);
         assert!(axes[(2, 0)] > 0.0, "pitch -20 looks up");
         let rolled = body_axes(0.0, 0.0, 90.0);
-        assert!((rolled.column(1) - Vector3::z()).amax() < 1e-15, "left side goes up");
+        assert!(
+            (rolled.column(1) - Vector3::z()).amax() < 1e-15,
+            "left side goes up"
+        );
     }
 }

@@ -61,7 +61,9 @@ impl RenderOptions {
         within("blur_sigma_px", self.blur_sigma_px, [0.0, 50.0])?;
         within("vignetting", self.vignetting, [0.0, 1.0])?;
         within("exposure", self.exposure, [0.0, 1e6])?;
-        let Some(noise) = self.noise else { return Ok(()) };
+        let Some(noise) = self.noise else {
+            return Ok(());
+        };
         within("noise.full_well_e", noise.full_well_e, [10.0, 1e6])?;
         within("noise.read_noise_e", noise.read_noise_e, [0.0, 1000.0])
     }
@@ -115,12 +117,18 @@ where
     options.check()?;
     let count = u64::from(width) * u64::from(height);
     if count == 0 || count > MAX_PIXELS {
-        return Err(Error::PictureSize { width, height, max_pixels: MAX_PIXELS });
+        return Err(Error::PictureSize {
+            width,
+            height,
+            max_pixels: MAX_PIXELS,
+        });
     }
     let mut pixels = vec![Vector3::zeros(); count as usize];
     let mut truth = vec![None; count as usize];
     let row_length = width as usize;
-    let rows = pixels.par_chunks_mut(row_length).zip(truth.par_chunks_mut(row_length));
+    let rows = pixels
+        .par_chunks_mut(row_length)
+        .zip(truth.par_chunks_mut(row_length));
     let outcomes: Vec<Result<(), Error>> = rows
         .enumerate()
         .map(|(y, (lights, truths))| {
@@ -133,11 +141,25 @@ where
         .collect();
     outcomes.into_iter().collect::<Result<(), Error>>()?;
 
-    let mut picture = Linear { width, height, pixels };
+    let mut picture = Linear {
+        width,
+        height,
+        pixels,
+    };
     blur(&mut picture, options.blur_sigma_px);
     vignette(&mut picture, options.vignetting);
-    let rgb = expose(&picture, options.exposure, options.noise, options.seed.into());
-    Ok(Rendered { width, height, rgb, truth })
+    let rgb = expose(
+        &picture,
+        options.exposure,
+        options.noise,
+        options.seed.into(),
+    );
+    Ok(Rendered {
+        width,
+        height,
+        rgb,
+        truth,
+    })
 }
 
 type Pixel = (Vector3<f64>, Option<Truth>);

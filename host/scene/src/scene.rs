@@ -41,8 +41,16 @@ impl Scene {
     /// The first value that is outside the range stated where it is declared, with its path.
     pub fn new(description: &SceneDescription) -> Result<Self, Error> {
         check::description(description)?;
-        let boards = description.boards.iter().enumerate().map(|(k, b)| Panel::board(k, b));
-        let markers = description.markers.iter().enumerate().map(|(k, m)| Panel::marker(k, m));
+        let boards = description
+            .boards
+            .iter()
+            .enumerate()
+            .map(|(k, b)| Panel::board(k, b));
+        let markers = description
+            .markers
+            .iter()
+            .enumerate()
+            .map(|(k, m)| Panel::marker(k, m));
         Ok(Self {
             basin: Basin::new(&description.pool, description.texture_seed),
             water: match description.medium {
@@ -50,7 +58,12 @@ impl Scene {
                 Medium::Water(water) => Some((water, Waves::new(water.wave_slope))),
             },
             panels: boards.chain(markers).collect(),
-            bodies: description.solids.iter().enumerate().map(|(k, s)| Body::new(k, s)).collect(),
+            bodies: description
+                .solids
+                .iter()
+                .enumerate()
+                .map(|(k, s)| Body::new(k, s))
+                .collect(),
             boards: description.boards.len(),
         })
     }
@@ -68,7 +81,11 @@ impl Scene {
                 range_m: contact.range_m,
                 surface_m: contact.uv_m,
             },
-            None => Hit { seen: Seen::Hall, range_m: f64::INFINITY, surface_m: [0.0, 0.0] },
+            None => Hit {
+                seen: Seen::Hall,
+                range_m: f64::INFINITY,
+                surface_m: [0.0, 0.0],
+            },
         })
     }
 
@@ -109,10 +126,17 @@ impl Scene {
     pub(crate) fn check(&self, ray: &Ray) -> Result<(), Error> {
         let origin_m: [f64; 3] = ray.origin_m.into();
         if !ray.is_finite() {
-            return Err(Error::RayNotFinite { origin_m, direction: ray.direction.into_inner().into() });
+            return Err(Error::RayNotFinite {
+                origin_m,
+                direction: ray.direction.into_inner().into(),
+            });
         }
         let mut half_m: [f64; 3] = self.basin.half_m.into();
-        let top = if self.water.is_some() { half_m[2] } else { self.basin.rim_z_m };
+        let top = if self.water.is_some() {
+            half_m[2]
+        } else {
+            self.basin.rim_z_m
+        };
         let inside = origin_m[0].abs() < half_m[0]
             && origin_m[1].abs() < half_m[1]
             && -half_m[2] < origin_m[2]
@@ -121,7 +145,10 @@ impl Scene {
             return Ok(());
         }
         half_m[2] = top;
-        Err(Error::RayOutside { origin_m, half_size_m: half_m })
+        Err(Error::RayOutside {
+            origin_m,
+            half_size_m: half_m,
+        })
     }
 
     /// The nearest contact of a ray that starts in the basin; `None` is the hall.
@@ -130,24 +157,39 @@ impl Scene {
             Some(range_m) => Some(self.surface_contact(ray, range_m)),
             None => self.basin.meet(ray),
         };
-        self.nearest_thing(ray, end.map_or(f64::INFINITY, |c| c.range_m)).or(end)
+        self.nearest_thing(ray, end.map_or(f64::INFINITY, |c| c.range_m))
+            .or(end)
     }
 
     /// The nearest panel or solid within `max_range_m`.
-    pub(crate) fn nearest_thing(&self, ray: &Ray, max_range_m: f64) -> Option<Contact> {
-        let panels = self.panels.iter();
-        let nearest = panels.fold(None, |best: Option<Contact>, panel| {
-            panel.meet(ray, best.map_or(max_range_m, |c| c.range_m)).or(best)
-        });
-        self.bodies.iter().fold(nearest, |best, body| {
-            body.meet(ray, best.map_or(max_range_m, |c| c.range_m)).or(best)
-        })
+    pub(crate) fn nearest_thing(&self, ray: &Ray, mut max_range_m: f64) -> Option<Contact> {
+        let (mut panel, mut body) = (None, None);
+        for candidate in &self.panels {
+            if let Some(range_m) = candidate.range_m(ray, max_range_m) {
+                max_range_m = range_m;
+                panel = Some(candidate);
+            }
+        }
+        for candidate in &self.bodies {
+            if let Some(range_m) = candidate.range_m(ray, max_range_m) {
+                max_range_m = range_m;
+                body = Some(candidate);
+            }
+        }
+        // A body that was found lies before any panel that was found.
+        body.map(|b| b.contact(ray, max_range_m))
+            .or(panel.map(|p| p.contact(ray, max_range_m)))
     }
 
     /// Whether anything stands between a point and the lamps.
     pub(crate) fn in_shadow(&self, ray: &Ray) -> bool {
-        self.panels.iter().any(|panel| panel.meet(ray, f64::INFINITY).is_some())
-            || self.bodies.iter().any(|body| body.meet(ray, f64::INFINITY).is_some())
+        self.panels
+            .iter()
+            .any(|panel| panel.range_m(ray, f64::INFINITY).is_some())
+            || self
+                .bodies
+                .iter()
+                .any(|body| body.range_m(ray, f64::INFINITY).is_some())
     }
 
     /// Range at which a ray reaches the water surface before any wall.

@@ -19,7 +19,10 @@ pub struct SensorNoise {
 /// A small board camera in a lit pool.
 impl Default for SensorNoise {
     fn default() -> Self {
-        Self { full_well_e: 9000.0, read_noise_e: 5.0 }
+        Self {
+            full_well_e: 9000.0,
+            read_noise_e: 5.0,
+        }
     }
 }
 
@@ -44,16 +47,19 @@ pub(crate) fn blur(picture: &mut Linear, sigma_px: f64) {
     let (last_x, last_y) = (i64::from(picture.width) - 1, i64::from(picture.height) - 1);
     let pass = |source: &[Vector3<f64>], at: &(dyn Fn(i64, i64, i64) -> (i64, i64) + Sync)| {
         let mut target = vec![Vector3::zeros(); source.len()];
-        target.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            for (x, out) in row.iter_mut().enumerate() {
-                for (k, w) in kernel.iter().enumerate() {
-                    let (sx, sy) = at(x as i64, y as i64, k as i64 - reach);
-                    let source_x = sx.clamp(0, last_x) as usize;
-                    let source_y = sy.clamp(0, last_y) as usize;
-                    *out += source[source_y * width + source_x] * *w;
+        target
+            .par_chunks_mut(width)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, out) in row.iter_mut().enumerate() {
+                    for (k, w) in kernel.iter().enumerate() {
+                        let (sx, sy) = at(x as i64, y as i64, k as i64 - reach);
+                        let source_x = sx.clamp(0, last_x) as usize;
+                        let source_y = sy.clamp(0, last_y) as usize;
+                        *out += source[source_y * width + source_x] * *w;
+                    }
                 }
-            }
-        });
+            });
         target
     };
     let across = pass(&picture.pixels, &|x, y, k| (x + k, y));
@@ -65,12 +71,19 @@ pub(crate) fn vignette(picture: &mut Linear, falloff: f64) {
     let center = [picture.width, picture.height].map(|n| (f64::from(n) - 1.0) / 2.0);
     let reach = f64::from(picture.width.min(picture.height)) / 2.0;
     let width = picture.width as usize;
-    picture.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        for (x, pixel) in row.iter_mut().enumerate() {
-            let (dx, dy) = ((x as f64 - center[0]) / reach, (y as f64 - center[1]) / reach);
-            *pixel *= (1.0 - falloff * (dx * dx + dy * dy)).max(0.0);
-        }
-    });
+    picture
+        .pixels
+        .par_chunks_mut(width)
+        .enumerate()
+        .for_each(|(y, row)| {
+            for (x, pixel) in row.iter_mut().enumerate() {
+                let (dx, dy) = (
+                    (x as f64 - center[0]) / reach,
+                    (y as f64 - center[1]) / reach,
+                );
+                *pixel *= (1.0 - falloff * (dx * dx + dy * dy)).max(0.0);
+            }
+        });
 }
 
 /// Exposure, noise and the sRGB transfer curve, to interleaved 8-bit red, green, blue.
@@ -82,8 +95,10 @@ pub(crate) fn expose(
 ) -> Vec<u8> {
     let width = picture.width as usize;
     let mut rgb = vec![0; picture.pixels.len() * 3];
-    rgb.par_chunks_mut(3 * width).zip(picture.pixels.par_chunks(width)).enumerate().for_each(
-        |(y, (out, row))| {
+    rgb.par_chunks_mut(3 * width)
+        .zip(picture.pixels.par_chunks(width))
+        .enumerate()
+        .for_each(|(y, (out, row))| {
             for (x, (bytes, light)) in out.chunks_exact_mut(3).zip(row).enumerate() {
                 let mut signal = light * exposure;
                 if let Some(noise) = noise {
@@ -94,8 +109,7 @@ pub(crate) fn expose(
                     *byte = (255.0 * srgb(s.clamp(0.0, 1.0)) + 0.5) as u8;
                 }
             }
-        },
-    );
+        });
     rgb
 }
 
@@ -119,12 +133,19 @@ mod tests {
     use super::*;
 
     fn grey(level: f64) -> Linear {
-        Linear { width: 100, height: 100, pixels: vec![Vector3::repeat(level); 10_000] }
+        Linear {
+            width: 100,
+            height: 100,
+            pixels: vec![Vector3::repeat(level); 10_000],
+        }
     }
 
     #[test]
     fn noise_has_shot_and_read_variance() {
-        let noise = SensorNoise { full_well_e: 1000.0, read_noise_e: 20.0 };
+        let noise = SensorNoise {
+            full_well_e: 1000.0,
+            read_noise_e: 20.0,
+        };
         let n = 10_000;
         let squares: f64 = (0..n)
             .map(|k| (noisy(0.5, normal3(3, k, 0).x, noise) - 0.5) * 1000.0)
@@ -139,7 +160,12 @@ mod tests {
         let mut picture = grey(0.2);
         blur(&mut picture, 1.3);
         // The weights sum to 1 up to rounding.
-        assert!(picture.pixels.iter().all(|p| (p - Vector3::repeat(0.2)).amax() < 1e-14));
+        assert!(
+            picture
+                .pixels
+                .iter()
+                .all(|p| (p - Vector3::repeat(0.2)).amax() < 1e-14)
+        );
         let bytes = expose(&picture, 1.0, None, 0);
         // sRGB of 0.2 is 0.4845.
         assert!(bytes.iter().all(|&b| b == 124));

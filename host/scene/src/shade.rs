@@ -45,13 +45,14 @@ impl Scene {
             }
         }
         if let Some(refracted) = split.refracted {
-            let up = Ray { origin_m: contact.point, direction: Unit::new_unchecked(refracted) };
+            let up = Ray {
+                origin_m: contact.point,
+                direction: Unit::new_unchecked(refracted),
+            };
             let wall = self.basin.meet(&up);
             let limit_m = wall.map_or(f64::INFINITY, |c| c.range_m);
             let above = match self.nearest_thing(&up, limit_m).or(wall) {
-                Some(thing) => {
-                    self.lit(&up, &thing, contact.range_m + thing.range_m, cone_rad)
-                }
+                Some(thing) => self.lit(&up, &thing, contact.range_m + thing.range_m, cone_rad),
                 None => self.hall(&up, contact.range_m, cone_rad),
             };
             light += self.veiled(above, contact.range_m) * (1.0 - split.reflectance);
@@ -62,11 +63,20 @@ impl Scene {
     fn hall(&self, up: &Ray, distance_m: f64, cone_rad: f64) -> Vector3<f64> {
         let half_m = [self.basin.half_m.x, self.basin.half_m.y];
         let direction = up.direction.into_inner();
-        hall::radiance(half_m, self.basin.rim_z_m, &up.origin_m, direction, distance_m, cone_rad)
+        hall::radiance(
+            half_m,
+            self.basin.rim_z_m,
+            &up.origin_m,
+            direction,
+            distance_m,
+            cone_rad,
+        )
     }
 
     fn veiled(&self, direct: Vector3<f64>, way_m: f64) -> Vector3<f64> {
-        self.water.as_ref().map_or(direct, |(water, _)| water.seen_through(direct, way_m))
+        self.water
+            .as_ref()
+            .map_or(direct, |(water, _)| water.seen_through(direct, way_m))
     }
 
     /// Light that a matt surface sends back along the ray, before the water on the way. `way_m` is
@@ -88,8 +98,15 @@ impl Scene {
         };
         let lamps = Unit::new_normalize(Vector3::from(TOWARD_LAMPS));
         let facing = contact.normal.dot(&lamps).max(0.0);
-        let shadow = Ray { origin_m: contact.point + contact.normal * 1e-4, direction: lamps };
-        let direct = if facing > 0.0 && !self.in_shadow(&shadow) { 0.65 * facing } else { 0.0 };
+        let shadow = Ray {
+            origin_m: contact.point + contact.normal * 1e-4,
+            direction: lamps,
+        };
+        let direct = if facing > 0.0 && !self.in_shadow(&shadow) {
+            0.65 * facing
+        } else {
+            0.0
+        };
         let mut ambient = 0.42 + 0.16 * contact.normal.z;
         if matches!(contact.seen, Seen::Floor | Seen::Wall(_)) {
             ambient *= self.basin.openness(&contact.point);
@@ -97,7 +114,9 @@ impl Scene {
         let depth_m = self.basin.half_m.z - contact.point.z;
         match &self.water {
             Some((water, _)) if depth_m > 0.0 => {
-                let web = self.basin.caustics(&contact.point, footprint[0].max(footprint[1]));
+                let web = self
+                    .basin
+                    .caustics(&contact.point, footprint[0].max(footprint[1]));
                 // A little of the web stays in scattered light, so vertical walls show it too.
                 let light = direct * web + ambient * (0.75 + 0.25 * web);
                 reflectance.component_mul(&water.downwelling(depth_m)) * light
