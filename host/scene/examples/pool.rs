@@ -1,5 +1,5 @@
-//! Writes three views of the demo pool as PNG files into the folder given (default: here):
-//! both eyes of a fish (ideal 210 degree fisheyes) and the whole sphere.
+//! Writes views of the demo pool as PNG files into the folder given (default: here): both eyes of
+//! a fish (ideal 210 degree fisheyes), the whole sphere, and the sphere with the pool empty.
 //!
 //! `cargo run --release -p tectum-scene --example pool -- pictures`
 
@@ -9,9 +9,9 @@ use std::time::Instant;
 use tectum_scene::camera::{Pose, equidistant, equirect};
 use tectum_scene::{Medium, Ray, RenderOptions, Scene, SceneDescription, render};
 
-/// Half the angle between straight sideways and the eyes' common forward turn, and their tilt, in
-/// degrees: the mount of the demo rig.
+/// Turn of each eye from straight sideways towards the nose, degrees.
 const FORWARD_DEG: f64 = 12.85;
+/// Tilt of each eye upwards, degrees.
 const TILT_DEG: f64 = 29.15;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -42,12 +42,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         RenderOptions::real_camera(2),
     )?;
     let sphere = equirect(2048, 1024, Pose::default());
+    let plain = RenderOptions::default();
     write(
         &scene,
         &folder.join("sphere.png"),
         [2048, 1024],
         &sphere,
-        RenderOptions::default(),
+        plain,
+    )?;
+
+    let empty = Scene::new(&SceneDescription::furnished(Medium::Air))?;
+    let sphere = equirect(1024, 512, Pose::default());
+    write(
+        &empty,
+        &folder.join("empty.png"),
+        [1024, 512],
+        &sphere,
+        plain,
     )
 }
 

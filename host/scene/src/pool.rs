@@ -9,6 +9,8 @@ use nalgebra::{Point3, Vector3};
 
 /// Joint between tiles, as a share of a tile.
 const GROUT: f64 = 0.06;
+/// Mean of the eighth power of a noise ridge, measured over the floor.
+const RIDGE_MEAN: f64 = 0.297;
 /// Width of the dark lane line on the floor, m.
 const LANE_M: f64 = 0.25;
 
@@ -113,7 +115,7 @@ impl Basin {
 
         let (base, lines) = match wall {
             None => (
-                Vector3::new(0.46, 0.58, 0.62),
+                Vector3::new(0.39, 0.49, 0.53),
                 self.lane_lines([u, v], [fu, fv]),
             ),
             Some(wall) => (
@@ -188,8 +190,8 @@ impl Basin {
         ];
         gaps.iter().fold(1.0, |light, gap| {
             let gap = gap.max(0.0);
-            // The face itself (gap 0) counts for every point on it alike: one factor of 0.6 too
-            // many, which the lamps' strength takes back.
+            // The face that the point is on has gap 0: a factor of 0.6 that the division below
+            // takes back.
             light * (0.6 + 0.4 * gap / (gap + 0.12))
         }) / 0.6
     }
@@ -209,10 +211,9 @@ impl Basin {
                     .abs()
                     .min(1.0);
             let ridge4 = ridge * ridge * ridge * ridge;
-            // 0.36 is the mean of the eighth power, measured over many points.
-            0.36 + keep * (ridge4 * ridge4 - 0.36)
+            RIDGE_MEAN + keep * (ridge4 * ridge4 - RIDGE_MEAN)
         };
-        0.35 + 0.65 * (web(seed ^ 1, 0.55) + web(seed ^ 2, 0.36)) / 0.72
+        0.35 + 0.65 * (web(seed ^ 1, 0.55) + web(seed ^ 2, 0.36)) / (2.0 * RIDGE_MEAN)
     }
 }
 
@@ -223,5 +224,56 @@ fn accent(wall: Wall) -> Vector3<f64> {
         Wall::Back => Vector3::new(0.42, 0.16, 0.44),
         Wall::Left => Vector3::new(0.70, 0.58, 0.10),
         Wall::Right => Vector3::new(0.08, 0.42, 0.24),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::SceneDescription;
+    use crate::medium::Medium;
+
+    fn basin() -> Basin {
+        let description = SceneDescription::furnished(Medium::Air);
+        Basin::new(&description.pool, description.texture_seed)
+    }
+
+    #[test]
+    fn caustics_move_light_about_and_make_none() {
+        let basin = basin();
+        let at = |k: i32| {
+            let (i, j) = (f64::from(k % 200), f64::from(k / 200));
+            basin.caustics(&Point3::new(i * 0.0591 - 5.9, j * 0.0391 - 3.9, -1.2), 0.0)
+        };
+        let light: Vec<f64> = (0..40_000).map(at).collect();
+        let mean = light.iter().sum::<f64>() / light.len() as f64;
+        // Some 300 by 300 mm cells of noise fill the floor: its mean is good to a few per cent.
+        assert!((mean - 1.0).abs() < 0.06, "{mean}");
+        assert!(light.iter().all(|l| *l >= 0.35 && *l < 2.6));
+        let blurred = basin.caustics(&Point3::origin(), 1.0);
+        assert!(
+            (blurred - 1.0).abs() < 1e-12,
+            "too fine for the footprint: the mean"
+        );
+    }
+
+    #[test]
+    fn lane_lines_are_dark_and_straight() {
+        let basin = basin();
+        let green = |u, v| basin.reflectance(None, [u, v], [0.01, 0.01]).y;
+        for k in 0..40 {
+            // Middle of tiles (150 mm), off the joints, along the middle lane and between lanes.
+            let u = 0.075 + 0.15 * f64::from(k - 20);
+            assert!(green(u, 0.075) < 0.2, "lane line at {u}");
+            assert!(green(u, 1.125) > 0.2, "plain floor at {u}");
+        }
+    }
+
+    #[test]
+    fn edges_are_darker_than_the_middle_of_the_floor() {
+        let basin = basin();
+        let middle = basin.openness(&Point3::new(0.0, 0.0, -1.2));
+        let edge = basin.openness(&Point3::new(6.0, 0.0, -1.2));
+        assert!(edge < 0.65 * middle && middle < 1.0 && edge > 0.3);
     }
 }

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Largest picture: 4096 x 4096, which needs about 1.5 GB with its truth.
+/// Largest picture: 4096 x 4096, which needs 2.3 GB (140 bytes a pixel, truth included).
 const MAX_PIXELS: u64 = 1 << 24;
 
 /// How a picture is taken.

@@ -160,6 +160,26 @@ fn a_camera_outside_the_pool_is_an_error_and_one_without_rays_is_black() {
     assert!(picture.truth.iter().all(Option::is_none));
 }
 
+#[test]
+fn unknown_keys_are_refused_everywhere() {
+    let text = toml::to_string(&SceneDescription::furnished(Medium::default())).unwrap();
+    for key in [
+        "depth_m",
+        "wave_slope",
+        "square_mm",
+        "dictionary",
+        "radius_mm",
+        "yaw_deg",
+    ] {
+        let misspelt = text.replacen(&format!("{key} ="), &format!("{key}_ = 1\n{key} ="), 1);
+        assert_ne!(misspelt, text);
+        let error = toml::from_str::<SceneDescription>(&misspelt)
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(&format!("{key}_")), "{error}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
     /// Any poses and sizes at all are refused or rendered.
