@@ -24,8 +24,6 @@ pub const MAX_VERTEX_DIFFERENCE_Q8: i32 = 25_600;
 pub(crate) const ACCUMULATOR_BITS: u32 = 24;
 /// Largest step: `2 * 32^3` is the 2^16 that [`ACCUMULATOR_BITS`] leaves.
 pub(crate) const MAX_STEP_LOG2: u32 = 5;
-/// Most pixels in a [`Segment`].
-pub const MAX_SEGMENT_PX: usize = 1 << MAX_STEP_LOG2;
 
 /// Vertical half of the upsampling: weights of one output row, shared by all vertex columns.
 #[derive(Debug, Clone, Copy)]

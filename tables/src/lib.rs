@@ -28,7 +28,7 @@ mod output_map;
 mod runs;
 mod view;
 
-pub use cubic::{Axis, MAX_SEGMENT_PX, MAX_VERTEX_DIFFERENCE_Q8, Offset, Segment};
+pub use cubic::{Axis, MAX_VERTEX_DIFFERENCE_Q8, Offset, Segment};
 pub use error::{TableError, Tag};
 pub use eye_rays::EyeRays;
 pub use layout::{Eye, Vertex};

@@ -29,20 +29,14 @@ impl Kernel for Gray8 {
         row: &mut [u8],
         start: usize,
     ) {
-        walk::<P, 1>(
-            source,
-            segments,
-            row,
-            start,
-            |[out], offset, fraction_q8| {
-                let new = if P::INTERPOLATES {
-                    bilinear(source.box_2x2(offset, 1), fraction_q8)
-                } else {
-                    source.byte(offset)
-                };
-                *out = sink.mix(u32::from(*out), new) as u8;
-                sink.step();
-            },
-        );
+        walk::<P, 1>(source, segments, row, start, |[out], spot, fraction_q8| {
+            let new = if P::INTERPOLATES {
+                bilinear(spot.box_2x2(1), fraction_q8)
+            } else {
+                spot.byte(0)
+            };
+            *out = sink.mix(u32::from(*out), new) as u8;
+            sink.step();
+        });
     }
 }

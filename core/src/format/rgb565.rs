@@ -3,7 +3,7 @@
 use tectum_tables::Segments;
 
 use super::{Kernel, PixelFormat};
-use crate::kernel::{Position, Sink, Source, bilinear, walk};
+use crate::kernel::{Position, Sink, Source, Spot, bilinear, walk};
 
 /// A little-endian 16-bit word to a pixel: red in bits 15..11, green 10..5, blue 4..0. Channels
 /// are interpolated and blended at their own depth.
@@ -21,23 +21,18 @@ fn channels(word: u32) -> [u32; 3] {
 }
 
 #[inline(always)]
-fn word(source: &Source<'_>, offset: usize) -> u32 {
-    source.byte(offset) | source.byte(offset.wrapping_add(1)) << 8
+fn read(spot: Spot<'_>, offset: usize) -> [u32; 3] {
+    channels(spot.byte(offset) | spot.byte(offset + 1) << 8)
 }
 
 #[inline(always)]
-fn sample<P: Position>(source: &Source<'_>, offset: usize, fraction_q8: [u32; 2]) -> [u32; 3] {
+fn sample<P: Position>(spot: Spot<'_>, fraction_q8: [u32; 2]) -> [u32; 3] {
     if !P::INTERPOLATES {
-        return channels(word(source, offset));
+        return read(spot, 0);
     }
-    let [a, b, c, d] = source
-        .box_offsets(offset, 2)
-        .map(|at| channels(word(source, at)));
-    [
-        bilinear([a[0], b[0], c[0], d[0]], fraction_q8),
-        bilinear([a[1], b[1], c[1], d[1]], fraction_q8),
-        bilinear([a[2], b[2], c[2], d[2]], fraction_q8),
-    ]
+    let below = spot.below();
+    let [a, b, c, d] = [read(spot, 0), read(spot, 2), read(below, 0), read(below, 2)];
+    [0, 1, 2].map(|i| bilinear([a[i], b[i], c[i], d[i]], fraction_q8))
 }
 
 #[allow(private_bounds, private_interfaces)]
@@ -57,9 +52,9 @@ impl Kernel for Rgb565 {
         row: &mut [u8],
         start: usize,
     ) {
-        walk::<P, 2>(source, segments, row, start, |out, offset, fraction_q8| {
+        walk::<P, 2>(source, segments, row, start, |out, spot, fraction_q8| {
             let old = channels(u32::from(u16::from_le_bytes(*out)));
-            let new = sample::<P>(&source, offset, fraction_q8);
+            let new = sample::<P>(spot, fraction_q8);
             let [r, g, b] = [0, 1, 2].map(|i| sink.mix(old[i], new[i]));
             *out = ((r << 11 | g << 5 | b) as u16).to_le_bytes();
             sink.step();

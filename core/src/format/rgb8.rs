@@ -31,23 +31,17 @@ impl Kernel for Rgb8 {
         row: &mut [u8],
         start: usize,
     ) {
-        walk::<P, 3>(
-            source,
-            segments,
-            row,
-            start,
-            |pixel, offset, fraction_q8| {
-                for (channel, out) in pixel.iter_mut().enumerate() {
-                    let offset = offset.wrapping_add(channel);
-                    let new = if P::INTERPOLATES {
-                        bilinear(source.box_2x2(offset, 3), fraction_q8)
-                    } else {
-                        source.byte(offset)
-                    };
-                    *out = sink.mix(u32::from(*out), new) as u8;
-                }
-                sink.step();
-            },
-        );
+        walk::<P, 3>(source, segments, row, start, |pixel, spot, fraction_q8| {
+            for (channel, out) in pixel.iter_mut().enumerate() {
+                let spot = spot.moved(channel as i32, 0, 1);
+                let new = if P::INTERPOLATES {
+                    bilinear(spot.box_2x2(3), fraction_q8)
+                } else {
+                    spot.byte(0)
+                };
+                *out = sink.mix(u32::from(*out), new) as u8;
+            }
+            sink.step();
+        });
     }
 }

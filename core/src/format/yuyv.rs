@@ -1,9 +1,9 @@
 //! 4:2:2 luma and chroma, as most USB and parallel cameras send it.
 
-use tectum_tables::{Segment, Segments};
+use tectum_tables::{Offset, Segment, Segments};
 
 use super::{Kernel, PixelFormat};
-use crate::kernel::{Offsets, Position, Sink, Source, bilinear};
+use crate::kernel::{Position, Sink, Source, bilinear, offsets};
 
 /// Four bytes to a pair of pixels: Y0 U Y1 V, chroma sited on the even pixel (as in MPEG-2 and
 /// UVC). Luma is sampled for every pixel; the chroma of a pair is sampled where its even pixel
@@ -30,11 +30,11 @@ struct At {
 #[inline(always)]
 fn luma<P: Position>(source: &Source<'_>, at: At) -> u32 {
     let [x, y] = at.px;
-    let offset = source.offset(x, y, 2);
+    let spot = source.spot(x, y, 2);
     if P::INTERPOLATES {
-        bilinear(source.box_2x2(offset, 2), at.fraction_q8)
+        bilinear(spot.box_2x2(2), at.fraction_q8)
     } else {
-        source.byte(offset)
+        spot.byte(0)
     }
 }
 
@@ -42,9 +42,9 @@ fn luma<P: Position>(source: &Source<'_>, at: At) -> u32 {
 #[inline(always)]
 fn chroma<P: Position>(source: &Source<'_>, at: At) -> [u32; 2] {
     let ([x, y], [fraction_x, fraction_y]) = (at.px, at.fraction_q8);
-    let offset = source.offset(x >> 1, y, 4);
+    let pair = source.spot(x >> 1, y, 4);
     if !P::INTERPOLATES {
-        return [source.byte(offset + 1), source.byte(offset + 3)];
+        return [pair.byte(1), pair.byte(3)];
     }
     let fraction_x = ((x as u32 & 1) << 8 | fraction_x) >> 1;
     // The last chroma sample of a row has no right neighbour: it stands for it itself.
@@ -55,7 +55,7 @@ fn chroma<P: Position>(source: &Source<'_>, at: At) -> [u32; 2] {
     };
     [1, 3].map(|byte| {
         bilinear(
-            source.box_2x2(offset + byte, pitch),
+            pair.moved(byte, 0, 1).box_2x2(pitch),
             [fraction_x, fraction_y],
         )
     })
@@ -87,33 +87,37 @@ impl Kernel for Yuyv {
         row: &mut [u8],
         start: usize,
     ) {
-        let mut offsets = Offsets::new();
         let mut column = start;
         for segment in segments {
-            let Segment { len, x, mut y } = P::prepare(segment);
+            let Segment { len, mut x, mut y } = P::prepare(segment);
             let end = column + len as usize;
             let pairs = row
                 .get_mut(column / 2 * 4..end.div_ceil(2) * 4)
                 .unwrap_or_default();
-            let mut positions = offsets.fill(x, len as usize).iter().map(|offset_x| {
+            let mut next = |x: Offset, base_x: i32| {
                 let offset_y = y.offset();
                 y.step();
                 At {
-                    px: [x.base_px() + offset_x.px(), y.base_px() + offset_y.px()],
-                    fraction_q8: [offset_x.fraction_q8(), offset_y.fraction_q8()],
+                    px: [base_x + x.px(), y.base_px() + offset_y.px()],
+                    fraction_q8: [x.fraction_q8(), offset_y.fraction_q8()],
                 }
-            });
+            };
             for [y0, u, y1, v] in pairs.as_chunks_mut().0 {
                 if column.is_multiple_of(2) {
-                    let Some(at) = positions.next() else { break };
+                    let [offset_x] = offsets(&mut x);
+                    let at = next(offset_x, x.base_px());
                     *y0 = sink.mix(u32::from(*y0), luma::<P>(&source, at)) as u8;
                     let [new_u, new_v] = chroma::<P>(&source, at);
                     *u = sink.mix(u32::from(*u), new_u) as u8;
                     *v = sink.mix(u32::from(*v), new_v) as u8;
                     sink.step();
                     column += 1;
+                    if column == end {
+                        break;
+                    }
                 }
-                let Some(at) = positions.next() else { break };
+                let [offset_x] = offsets(&mut x);
+                let at = next(offset_x, x.base_px());
                 *y1 = sink.mix(u32::from(*y1), luma::<P>(&source, at)) as u8;
                 sink.step();
                 column += 1;

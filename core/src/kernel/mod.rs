@@ -7,6 +7,6 @@ mod sink;
 mod source;
 
 pub(crate) use arithmetic::bilinear;
-pub(crate) use position::{Bilinear, Nearest, Offsets, Position, walk};
+pub(crate) use position::{Bilinear, Nearest, Position, offsets, walk};
 pub(crate) use sink::{Blend, Sink, Write};
-pub(crate) use source::Source;
+pub(crate) use source::{Source, Spot};

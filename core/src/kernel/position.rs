@@ -2,9 +2,9 @@
 
 use core::mem;
 
-use tectum_tables::{Axis, MAX_SEGMENT_PX, Offset, Segment, Segments};
+use tectum_tables::{Axis, Offset, Segment, Segments};
 
-use super::Source;
+use super::{Source, Spot};
 
 /// How positions are rounded, chosen once per row.
 pub(crate) trait Position {
@@ -43,54 +43,55 @@ impl Position for Nearest {
     }
 }
 
-/// Offsets of one axis through a segment.
+/// Pixels that are stepped together. Steps are multiples of it, so whole cells leave no rest.
+const BLOCK: usize = 8;
+
+/// Offsets of `axis` at the next pixels.
 ///
 /// Stepping both axes and sampling in one loop needs more registers than a Cortex-M has; one axis
-/// at a time through this small buffer costs a store and a load a pixel instead of a dozen spills.
-pub(crate) struct Offsets([Offset; MAX_SEGMENT_PX]);
-
-impl Offsets {
-    #[inline(always)]
-    pub(crate) fn new() -> Self {
-        Self([Offset::default(); MAX_SEGMENT_PX])
-    }
-
-    /// Offsets of `axis` at the next `len` pixels.
-    #[inline(always)]
-    pub(crate) fn fill(&mut self, mut axis: Axis, len: usize) -> &[Offset] {
-        let offsets = self.0.get_mut(..len).unwrap_or_default();
-        for offset in &mut *offsets {
-            *offset = axis.offset();
-            axis.step();
-        }
-        offsets
-    }
+/// at a time through a small array costs a store and a load a pixel instead of a dozen spills.
+#[inline(always)]
+pub(crate) fn offsets<const N: usize>(axis: &mut Axis) -> [Offset; N] {
+    core::array::from_fn(|_| {
+        let offset = axis.offset();
+        axis.step();
+        offset
+    })
 }
 
-/// Calls `pixel` for each pixel of a run with its bytes in the output row, the byte offset of its
-/// source position and the position's fractions in Q8.
+/// Calls `pixel` for each pixel of a run with its bytes in the output row, the source pixel at its
+/// position rounded down, and the position's fractions in Q8.
 #[inline(always)]
-pub(crate) fn walk<P: Position, const BYTES: usize>(
-    source: Source<'_>,
+pub(crate) fn walk<'a, P: Position, const BYTES: usize>(
+    source: Source<'a>,
     segments: Segments<'_>,
     row: &mut [u8],
     start: usize,
-    mut pixel: impl FnMut(&mut [u8; BYTES], usize, [u32; 2]),
+    mut pixel: impl FnMut(&mut [u8; BYTES], Spot<'a>, [u32; 2]),
 ) {
-    let mut offsets = Offsets::new();
     let mut rest = row.get_mut(start * BYTES..).unwrap_or_default();
     for segment in segments {
-        let Segment { len, x, mut y } = P::prepare(segment);
-        let len = len as usize;
-        let Some((now, later)) = mem::take(&mut rest).split_at_mut_checked(len * BYTES) else {
+        let Segment { len, mut x, mut y } = P::prepare(segment);
+        let length = len as usize * BYTES;
+        let Some((now, later)) = mem::take(&mut rest).split_at_mut_checked(length) else {
             return;
         };
         rest = later;
-        let base = source.offset(x.base_px(), y.base_px(), BYTES);
-        for (out, x) in now.as_chunks_mut().0.iter_mut().zip(offsets.fill(x, len)) {
-            let at = base.wrapping_add(source.offset(x.px(), y.offset().px(), BYTES));
-            pixel(out, at, [x.fraction_q8(), y.offset().fraction_q8()]);
+        let base = source.spot(x.base_px(), y.base_px(), BYTES);
+        let mut step = |out: &mut [u8; BYTES], x: Offset| {
+            let spot = base.moved(x.px(), y.offset().px(), BYTES);
+            pixel(out, spot, [x.fraction_q8(), y.offset().fraction_q8()]);
             y.step();
+        };
+        let (blocks, tail) = now.as_chunks_mut().0.as_chunks_mut::<BLOCK>();
+        for block in blocks {
+            for (out, x) in block.iter_mut().zip(offsets::<BLOCK>(&mut x)) {
+                step(out, x);
+            }
+        }
+        for out in tail {
+            let [x] = offsets(&mut x);
+            step(out, x);
         }
     }
 }

@@ -47,46 +47,76 @@ impl<'a> Source<'a> {
         self.width
     }
 
-    /// Byte offset of a pixel from another one `x` columns and `y` rows away; negative offsets
-    /// wrap, sums of offsets unwrap.
+    /// The place of the pixel in column `x` of row `y`, or where it would be.
     #[inline(always)]
-    pub(crate) fn offset(&self, x: i32, y: i32, bytes_per_pixel: usize) -> usize {
-        let rows = (y as usize).wrapping_mul(self.stride);
-        rows.wrapping_add((x as usize).wrapping_mul(bytes_per_pixel))
+    pub(crate) fn spot(self, x: i32, y: i32, bytes_per_pixel: usize) -> Spot<'a> {
+        Spot {
+            source: self,
+            pointer: self.data.as_ptr(),
+        }
+        .moved(x, y, bytes_per_pixel)
+    }
+}
+
+/// A place in or around a source frame; only places inside may be read.
+#[derive(Clone, Copy)]
+pub(crate) struct Spot<'a> {
+    source: Source<'a>,
+    pointer: *const u8,
+}
+
+impl Spot<'_> {
+    /// The place `x` columns and `y` rows away.
+    #[inline(always)]
+    pub(crate) fn moved(self, x: i32, y: i32, bytes_per_pixel: usize) -> Self {
+        // Negative numbers wrap here and unwrap in the sum.
+        let rows = (y as usize).wrapping_mul(self.source.stride);
+        let columns = (x as usize).wrapping_mul(bytes_per_pixel);
+        self.forward(rows.wrapping_add(columns))
     }
 
-    /// The byte at `offset`, which must belong to a pixel of a box that the table has proven.
     #[inline(always)]
-    pub(crate) fn byte(&self, offset: usize) -> u32 {
+    fn forward(self, bytes: usize) -> Self {
+        Self {
+            pointer: self.pointer.wrapping_add(bytes),
+            ..self
+        }
+    }
+
+    /// The byte `offset` bytes on, which must belong to a pixel of a box that the table has
+    /// proven.
+    #[inline(always)]
+    pub(crate) fn byte(self, offset: usize) -> u32 {
+        let pointer = self.forward(offset).pointer;
         debug_assert!(
-            offset < self.data.len(),
+            self.source.data.as_ptr_range().contains(&pointer),
             "the table let a position outside the frame through"
         );
-        // SAFETY: offsets are made by `offset` (plus the box's right and lower neighbour and a
-        // byte within the pixel) from positions of runs in a parsed table. `Tables::parse`
-        // proves each of them, neighbours included, to lie inside a frame of the size that
+        // SAFETY: `pointer` is derived from `data` and moved to a position that a run of a parsed
+        // table shows, or to its box's right and lower neighbours, or to a byte within those
+        // pixels. `Tables::parse` proves each of them to lie inside a frame of the size that
         // `Source::new` checked, and `Frame::new` checked that `data` holds such a frame.
         // `tests/tests/hostile.rs` runs this with the assertion above on tables whose positions
         // are pushed over each edge.
-        u32::from(unsafe { *self.data.get_unchecked(offset) })
+        u32::from(unsafe { *pointer })
     }
 
-    /// Byte offsets of a 2x2 box of pixels that are `pitch` bytes wide.
+    /// Bytes of the 2x2 box whose upper left one is here and whose columns are `pitch` bytes
+    /// apart.
     #[inline(always)]
-    pub(crate) fn box_offsets(&self, offset: usize, pitch: usize) -> [usize; 4] {
-        let below = offset.wrapping_add(self.stride);
+    pub(crate) fn box_2x2(self, pitch: usize) -> [u32; 4] {
+        let below = self.below();
         [
-            offset,
-            offset.wrapping_add(pitch),
-            below,
-            below.wrapping_add(pitch),
+            self.byte(0),
+            self.byte(pitch),
+            below.byte(0),
+            below.byte(pitch),
         ]
     }
 
-    /// Bytes of a 2x2 box whose upper left one is at `offset` and whose columns are `pitch`
-    /// bytes apart.
+    /// The place one row down.
     #[inline(always)]
-    pub(crate) fn box_2x2(&self, offset: usize, pitch: usize) -> [u32; 4] {
-        self.box_offsets(offset, pitch).map(|at| self.byte(at))
+    pub(crate) fn below(self) -> Self {
+        self.forward(self.source.stride)
     }
 }
