@@ -1,1 +1,17 @@
-//! Camera models, rays, projections and the rig file
+//! Camera models, rays, projections and the rig file.
+//!
+//! Everything that a table is baked from: [`CameraModel`] and [`Eye`] tie pixels to rays,
+//! [`Pose`] puts eyes on a body, [`Rig`] is the file with all of it, [`OutputMap`] says what the
+//! stitched picture shows. Transcendental functions are `libm`'s, so results are the same on
+//! every machine.
+
+pub mod camera;
+pub mod convention;
+mod field;
+mod pose;
+pub mod projection;
+
+pub use camera::{CameraModel, ModelError};
+pub use field::{Eye, Field, FieldError, SightError};
+pub use pose::{Pose, Side};
+pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
