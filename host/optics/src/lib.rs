@@ -10,8 +10,10 @@ pub mod convention;
 mod field;
 mod pose;
 pub mod projection;
+mod rig;
 
 pub use camera::{CameraModel, ModelError};
 pub use field::{Eye, Field, FieldError, SightError};
 pub use pose::{Pose, Side};
 pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
+pub use rig::{Medium, Rig, RigError, RigEye};

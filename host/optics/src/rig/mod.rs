@@ -1,0 +1,146 @@
+//! The rig: two eyes on a body, in a medium, stitched at a distance.
+
+mod error;
+mod file;
+mod read;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use sha2::Digest;
+
+pub use error::RigError;
+pub use file::Medium;
+use file::RigFile;
+
+use crate::convention::angle_between;
+use crate::{Eye, Pose, Projection, ProjectionError, SightError};
+
+/// An eye on the body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigEye {
+    /// Camera.
+    pub eye: Eye,
+    /// Where it is.
+    pub pose: Pose,
+}
+
+impl RigEye {
+    /// Ray in the camera frame to the point that lies `distance_m` (may be infinite) from the
+    /// body's origin in the unit `direction`.
+    pub fn camera_ray(&self, direction: &Vector3<f64>, distance_m: f64) -> Vector3<f64> {
+        // Divided by the distance, so that infinity needs no case of its own.
+        let ray = direction - self.pose.position_m / distance_m;
+        self.pose.rotation.inverse() * ray
+    }
+
+    /// Pixel that shows the point `distance_m` from the body's origin in the unit `direction`.
+    ///
+    /// # Errors
+    /// [`SightError`] if the eye does not show it.
+    pub fn pixel_of(
+        &self,
+        direction: &Vector3<f64>,
+        distance_m: f64,
+    ) -> Result<[f64; 2], SightError> {
+        self.eye.project(&self.camera_ray(direction, distance_m))
+    }
+
+    /// Angle off the optical axis of the same point, rad.
+    pub fn off_axis_rad(&self, direction: &Vector3<f64>, distance_m: f64) -> f64 {
+        angle_between(&self.camera_ray(direction, distance_m), &Vector3::z())
+    }
+
+    /// Unit direction, from the body's origin, of the point at `distance_m` from that origin
+    /// which `pixel` shows.
+    ///
+    /// # Errors
+    /// [`SightError`] if the eye shows nothing there.
+    pub fn direction_of(
+        &self,
+        pixel: [f64; 2],
+        distance_m: f64,
+    ) -> Result<Vector3<f64>, SightError> {
+        let ray = self.pose.rotation * self.eye.unproject(pixel)?;
+        let eye = self.pose.position_m / distance_m;
+        let along = eye.dot(&ray);
+        let to_sphere = (along * along + 1.0 - eye.norm_squared()).sqrt() - along;
+        Ok((eye + ray * to_sphere).normalize())
+    }
+}
+
+/// A rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rig {
+    /// Name.
+    pub name: String,
+    /// What the eyes look through.
+    pub medium: Medium,
+    /// What they were calibrated in.
+    pub calibrated_in: Medium,
+    /// Range at which the stitched picture is exact, m; may be infinite.
+    pub stitch_distance_m: f64,
+    /// Left eye.
+    pub left: Option<RigEye>,
+    /// Right eye.
+    pub right: Option<RigEye>,
+    file: RigFile,
+}
+
+impl Rig {
+    /// Reads a rig file.
+    ///
+    /// # Errors
+    /// [`RigError`] says which file, which key, what it says and what is allowed.
+    pub fn load(path: &Path) -> Result<Self, RigError> {
+        let text = std::fs::read_to_string(path).map_err(|source| RigError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_toml(&text, &path.display().to_string())
+    }
+
+    /// A rig from the text of a rig file; `file` is its name for messages.
+    ///
+    /// # Errors
+    /// As [`Rig::load`].
+    pub fn from_toml(text: &str, file: &str) -> Result<Self, RigError> {
+        let parsed: RigFile = toml::from_str(text).map_err(|error| RigError::Syntax {
+            file: file.to_owned(),
+            message: error.to_string(),
+        })?;
+        read::rig(parsed, file)
+    }
+
+    /// The rig as text of a rig file: reading it gives an equal rig.
+    ///
+    /// # Errors
+    /// Never for a rig that was read; the format's writer has its own error type.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(&self.file)
+    }
+
+    /// Eight bytes that identify the rig's content, whatever the layout of its file.
+    pub fn fingerprint(&self) -> [u8; 8] {
+        let text = self.to_toml().unwrap_or_default();
+        let hash = sha2::Sha256::digest(text.as_bytes());
+        let mut first = [0; 8];
+        first.copy_from_slice(&hash[..8]);
+        first
+    }
+
+    /// The projection about the plane through both optical axes.
+    ///
+    /// # Errors
+    /// [`ProjectionError::NoDesignPlane`] if there is none, as with one eye.
+    pub fn design_projection(&self) -> Result<Projection, ProjectionError> {
+        match (&self.left, &self.right) {
+            (Some(left), Some(right)) => {
+                Projection::design(&left.pose.optical_axis(), &right.pose.optical_axis())
+            }
+            _ => Err(ProjectionError::NoDesignPlane),
+        }
+    }
+}

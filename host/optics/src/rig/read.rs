@@ -1,0 +1,310 @@
+//! From what a rig file says to a rig, with every value checked.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use super::file::{BodyDirection, EyeFile, LensFile, MountFile, PoseFile, ReferenceFile, RigFile};
+use super::{Rig, RigError, RigEye};
+use crate::camera::{
+    CameraModel, DoubleSphere, Equidistant, Eucm, KannalaBrandt, Ocam, ParameterError,
+};
+use crate::pose::rotation_vector;
+use crate::{Eye, Field, Pose, Side};
+
+/// Largest side of a frame, px: what a table can address.
+const MAX_SIDE_PX: u32 = 16384;
+
+pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
+    let reader = Reader { file };
+    let distance = parsed.stitch_distance_m;
+    if distance.is_nan() || distance <= 0.0 {
+        return Err(reader.value("stitch_distance_m", distance, "above 0, or inf"));
+    }
+    if parsed.left.is_none() && parsed.right.is_none() {
+        return Err(reader.keys("no eye: at least one of [left] and [right] is needed"));
+    }
+    if let Some(mount) = &parsed.mount {
+        reader.check_mount(mount)?;
+    }
+    let to_body = ToBody::new(parsed.reference.as_ref(), reader)?;
+    let eye = |eye: &Option<EyeFile>, side| {
+        eye.as_ref()
+            .map(|eye| reader.eye(eye, side, &parsed, &to_body))
+            .transpose()
+    };
+    let left = eye(&parsed.left, Side::Left)?;
+    let right = eye(&parsed.right, Side::Right)?;
+    Ok(Rig {
+        name: parsed.name.clone(),
+        medium: parsed.medium,
+        calibrated_in: parsed.calibrated_in.unwrap_or(parsed.medium),
+        stitch_distance_m: distance,
+        left,
+        right,
+        file: parsed,
+    })
+}
+
+/// Makes errors that name the file.
+#[derive(Clone, Copy)]
+struct Reader<'a> {
+    file: &'a str,
+}
+
+impl Reader<'_> {
+    fn value(&self, key: &str, value: impl std::fmt::Debug, allowed: &'static str) -> RigError {
+        RigError::Value {
+            file: self.file.to_owned(),
+            key: key.to_owned(),
+            value: format!("{value:?}"),
+            allowed,
+        }
+    }
+
+    fn keys(&self, what: impl Into<String>) -> RigError {
+        RigError::Keys {
+            file: self.file.to_owned(),
+            what: what.into(),
+        }
+    }
+
+    fn range(
+        &self,
+        key: &str,
+        value: f64,
+        range: std::ops::RangeInclusive<f64>,
+        allowed: &'static str,
+    ) -> Result<(), RigError> {
+        if range.contains(&value) {
+            Ok(())
+        } else {
+            Err(self.value(key, value, allowed))
+        }
+    }
+
+    fn check_mount(&self, mount: &MountFile) -> Result<(), RigError> {
+        self.range("mount.psi_deg", mount.psi_deg, 0.0..=180.0, "0 to 180")?;
+        self.range("mount.tau_deg", mount.tau_deg, -90.0..=90.0, "-90 to 90")?;
+        for (key, value) in [
+            ("mount.lateral_mm", mount.lateral_mm),
+            ("mount.forward_mm", mount.forward_mm),
+            ("mount.up_mm", mount.up_mm),
+        ] {
+            self.check_position(key, value)?;
+        }
+        Ok(())
+    }
+
+    fn check_position(&self, key: &str, value: f64) -> Result<(), RigError> {
+        self.range(key, value, -1e5..=1e5, "-100000 to 100000 (mm)")
+    }
+
+    fn eye(
+        &self,
+        eye: &EyeFile,
+        side: Side,
+        rig: &RigFile,
+        to_body: &ToBody,
+    ) -> Result<RigEye, RigError> {
+        let name = match side {
+            Side::Left => "left",
+            Side::Right => "right",
+        };
+        if !eye
+            .size_px
+            .iter()
+            .all(|side| (2..=MAX_SIDE_PX).contains(side))
+        {
+            let key = format!("{name}.size_px");
+            return Err(self.value(&key, eye.size_px, "2 to 16384 each"));
+        }
+        let size_px = eye.size_px.map(|side| side as u16);
+        let model = lens(&eye.lens, size_px).map_err(|source| RigError::Lens {
+            file: self.file.to_owned(),
+            eye: name,
+            source,
+        })?;
+        let field = self.field(eye, name)?;
+        let pose = match (&eye.pose, &rig.mount) {
+            (Some(pose), _) => self.pose(pose, name, to_body)?,
+            (None, Some(mount)) => mount_pose(mount, side),
+            (None, None) => {
+                return Err(self.keys(format!("no pose: give [mount] or [{name}.pose]")));
+            }
+        };
+        let reach = pose.position_m.norm();
+        if reach >= rig.stitch_distance_m {
+            return Err(self.value(
+                "stitch_distance_m",
+                rig.stitch_distance_m,
+                "farther from the body's origin than both eyes",
+            ));
+        }
+        Ok(RigEye {
+            eye: Eye {
+                size_px,
+                model,
+                field,
+            },
+            pose,
+        })
+    }
+
+    fn field(&self, eye: &EyeFile, name: &str) -> Result<Field, RigError> {
+        let half_angles_deg = match (&eye.field_deg, &eye.half_angles_deg) {
+            (Some(full), None) => vec![full / 2.0],
+            (None, Some(halves)) => halves.clone(),
+            _ => {
+                let what =
+                    format!("[{name}] needs either field_deg or half_angles_deg, and not both");
+                return Err(self.keys(what));
+            }
+        };
+        let rad = half_angles_deg.iter().map(|deg| deg.to_radians()).collect();
+        Field::new(rad).map_err(|_| match eye.field_deg {
+            Some(full) => self.value(
+                &format!("{name}.field_deg"),
+                full,
+                "above 0, at most 358 (full angle)",
+            ),
+            None => self.value(
+                &format!("{name}.half_angles_deg"),
+                half_angles_deg,
+                "one or more, each above 0, at most 179",
+            ),
+        })
+    }
+
+    fn pose(&self, pose: &PoseFile, name: &str, to_body: &ToBody) -> Result<Pose, RigError> {
+        let key = |key: &str| format!("{name}.pose.{key}");
+        for value in pose.position_mm {
+            self.check_position(&key("position_mm"), value)?;
+        }
+        let rotation = match (pose.yaw_deg, pose.pitch_deg, pose.rotation_vector_rad) {
+            (Some(yaw), Some(pitch), None) => {
+                let roll = pose.roll_deg.unwrap_or(0.0);
+                self.range(&key("yaw_deg"), yaw, -360.0..=360.0, "-360 to 360")?;
+                self.range(&key("pitch_deg"), pitch, -90.0..=90.0, "-90 to 90")?;
+                self.range(&key("roll_deg"), roll, -360.0..=360.0, "-360 to 360")?;
+                let [yaw, pitch, roll] = [yaw, pitch, roll].map(f64::to_radians);
+                Pose::axis_rotation(yaw, pitch, roll)
+            }
+            (None, None, Some(vector)) if pose.roll_deg.is_none() => {
+                for value in vector {
+                    self.range(&key("rotation_vector_rad"), value, -7.0..=7.0, "-7 to 7")?;
+                }
+                to_body.rotation * rotation_vector(&Vector3::from(vector))
+            }
+            _ => {
+                let what = format!(
+                    "[{name}.pose] needs yaw_deg and pitch_deg (and roll_deg), or \
+                     rotation_vector_rad, and not both"
+                );
+                return Err(self.keys(what));
+            }
+        };
+        let from_origin = Vector3::from(pose.position_mm) - to_body.origin_mm;
+        Ok(Pose {
+            rotation,
+            position_m: to_body.rotation * from_origin / 1000.0,
+        })
+    }
+}
+
+fn mount_pose(mount: &MountFile, side: Side) -> Pose {
+    let lateral_mm = match side {
+        Side::Left => mount.lateral_mm,
+        Side::Right => -mount.lateral_mm,
+    };
+    Pose {
+        rotation: Pose::mount_rotation(
+            side,
+            mount.psi_deg.to_radians(),
+            mount.tau_deg.to_radians(),
+        ),
+        position_m: Vector3::new(mount.forward_mm, lateral_mm, mount.up_mm) / 1000.0,
+    }
+}
+
+/// From the reference frame to the body frame.
+struct ToBody {
+    rotation: Rotation3<f64>,
+    origin_mm: Vector3<f64>,
+}
+
+impl ToBody {
+    fn new(reference: Option<&ReferenceFile>, reader: Reader<'_>) -> Result<Self, RigError> {
+        let Some(reference) = reference else {
+            return Ok(Self {
+                rotation: Rotation3::identity(),
+                origin_mm: Vector3::zeros(),
+            });
+        };
+        for value in reference.origin_mm {
+            reader.check_position("reference.origin_mm", value)?;
+        }
+        for value in reference.level_rad {
+            reader.range("reference.level_rad", value, -7.0..=7.0, "-7 to 7")?;
+        }
+        let axes = reference.axes;
+        let matrix = Matrix3::from_columns(&[axes.x, axes.y, axes.z].map(unit_vector));
+        if (matrix.determinant() - 1.0).abs() > 1e-9 {
+            return Err(reader.keys(
+                "reference.axes: the three directions must be at right angles and right-handed, \
+                 like x = \"forward\", y = \"down\", z = \"left\"",
+            ));
+        }
+        let level = rotation_vector(&Vector3::from(reference.level_rad));
+        Ok(Self {
+            rotation: Rotation3::from_matrix_unchecked(matrix) * level,
+            origin_mm: Vector3::from(reference.origin_mm),
+        })
+    }
+}
+
+fn unit_vector(direction: BodyDirection) -> Vector3<f64> {
+    match direction {
+        BodyDirection::Forward => Vector3::x(),
+        BodyDirection::Back => -Vector3::x(),
+        BodyDirection::Left => Vector3::y(),
+        BodyDirection::Right => -Vector3::y(),
+        BodyDirection::Up => Vector3::z(),
+        BodyDirection::Down => -Vector3::z(),
+    }
+}
+
+fn lens(lens: &LensFile, size_px: [u16; 2]) -> Result<CameraModel, ParameterError> {
+    Ok(match lens {
+        LensFile::Equidistant {
+            focal_px_per_rad,
+            centre_px,
+        } => CameraModel::Equidistant(Equidistant::new(*focal_px_per_rad, *centre_px)?),
+        LensFile::Ocam {
+            direct,
+            centre_row_column: [row, column],
+            affine,
+        } => {
+            let [width, height] = size_px.map(f64::from);
+            // The farthest corner bounds every radius that the frame can show.
+            let reach = libm::hypot(column.abs() + width, row.abs() + height);
+            let forward = direct.iter().map(|a| -a).collect();
+            CameraModel::Ocam(Ocam::new(forward, [*column, *row], *affine, reach)?)
+        }
+        LensFile::KannalaBrandt {
+            focal_px,
+            centre_px,
+            distortion,
+        } => CameraModel::KannalaBrandt(KannalaBrandt::new(*focal_px, *centre_px, *distortion)?),
+        LensFile::DoubleSphere {
+            focal_px,
+            centre_px,
+            xi,
+            alpha,
+        } => CameraModel::DoubleSphere(DoubleSphere::new(*focal_px, *centre_px, *xi, *alpha)?),
+        LensFile::Eucm {
+            focal_px,
+            centre_px,
+            alpha,
+            beta,
+        } => CameraModel::Eucm(Eucm::new(*focal_px, *centre_px, *alpha, *beta)?),
+    })
+}
