@@ -21,13 +21,13 @@ enum Command {
     /// The core on emulated Cortex-M boards: test, report
     Firmware(firmware::Args),
     /// The tests of the tables and the core on emulated aarch64
-    Aarch64(firmware::aarch64::Args),
+    Aarch64,
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Firmware(args) => firmware::run(args),
-        Command::Aarch64(args) => firmware::aarch64::run(args),
+        Command::Aarch64 => firmware::aarch64::run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
