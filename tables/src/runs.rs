@@ -83,6 +83,10 @@ impl<'a> Runs<'a> {
         Ok(Self { index, pool })
     }
 
+    pub(crate) fn length_bytes(&self) -> usize {
+        size_of_val(self.index) + size_of_val(self.pool)
+    }
+
     /// Runs of output row `y`, left to right; nothing for a row that does not exist.
     #[inline]
     pub fn row(&self, y: u16, width: u16) -> RowRuns<'a> {

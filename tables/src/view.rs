@@ -195,6 +195,11 @@ impl<'a> Tables<'a> {
         self.metadata
     }
 
+    /// Length of the section of runs, bytes.
+    pub fn runs_bytes(&self) -> usize {
+        self.runs.length_bytes()
+    }
+
     /// Length of the whole table, bytes.
     pub fn length_bytes(&self) -> usize {
         self.length

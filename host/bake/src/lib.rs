@@ -1,11 +1,19 @@
 //! Rig to tables, reference stitchers and verification.
+//!
+//! [`bake()`] turns a rig and an output into a table with the coarsest mesh that meets an error;
+//! [`reference`](mod@reference) holds the slow stitchers that prove it; [`stitch`] runs the core on whole pictures.
 
+mod bake;
 mod format;
 pub mod mesh;
+mod rays;
 pub mod reference;
 pub mod seam;
+mod sights;
 
+pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
 pub use format::{Format, Pair, Pass, stitch};
+pub use sights::{Sight, Sights};
 
 /// Why frames could not be stitched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

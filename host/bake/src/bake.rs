@@ -1,0 +1,334 @@
+//! Rig to table.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use tectum_optics::{OutputMap, Rig, ViewFormula};
+use tectum_tables::builder::{OutputMapData, RunData, RunsTooLong, TableBuilder};
+use tectum_tables::{ProjectionKind, TableError, Tables};
+
+use crate::mesh::{FittedMesh, Targets, fit};
+use crate::rays::{eye_rays, quantise, rotation_q30};
+use crate::seam::{left_weight, row_runs};
+use crate::sights::Sights;
+
+/// Steps to try, coarsest first, as powers of two.
+const STEPS_LOG2: [u32; 3] = [5, 4, 3];
+
+/// What to bake.
+#[derive(Debug, Clone, Copy)]
+pub struct BakeOptions {
+    /// The stitched picture.
+    pub output: OutputMap,
+    /// Greatest distance of a source position from the camera model's, px.
+    pub max_error_px: f64,
+    /// Width of the transition between the eyes, rad.
+    pub feather_rad: f64,
+}
+
+/// A finished table and what it costs.
+#[derive(Debug, Clone)]
+pub struct Baked {
+    /// The table.
+    pub bytes: Vec<u8>,
+    /// Its cost sheet.
+    pub report: Report,
+}
+
+/// The cost sheet of a table.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// Where the bytes are.
+    pub bytes: Bytes,
+    /// Mesh step of left and right eye, output px.
+    pub step: [Option<u32>; 2],
+    /// Distance of the table's source positions from the camera models'.
+    pub coordinate_error_px: ErrorSummary,
+    /// Share of output pixels by owner.
+    pub pixels: Owners,
+    /// Bytes of a source frame in 8-bit luma, left and right.
+    pub source_bytes_gray8: [usize; 2],
+}
+
+/// Bytes of a table by section.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Bytes {
+    /// Whole file.
+    pub total: usize,
+    /// Left mesh.
+    pub mesh_left: usize,
+    /// Right mesh.
+    pub mesh_right: usize,
+    /// Runs.
+    pub runs: usize,
+    /// Header, directory, directions and metadata.
+    pub other: usize,
+}
+
+/// Greatest and root-mean-square error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ErrorSummary {
+    /// Greatest.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
+}
+
+/// Number of output pixels by owner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Owners {
+    /// Neither eye.
+    pub void: usize,
+    /// Left eye alone.
+    pub left: usize,
+    /// Right eye alone.
+    pub right: usize,
+    /// Both.
+    pub blend: usize,
+}
+
+/// Why there is no table.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// The option itself makes no sense.
+    #[error("--max-error {0} px is not allowed: it must be between 0.004 and 10")]
+    MaxError(f64),
+    /// The feather makes no sense.
+    #[error("--feather of {0} degrees is not allowed: it must be between 0 and 90")]
+    Feather(f64),
+    /// Larger than a table can be.
+    #[error("an output of {0}x{1} px is too large: at most 8192 px a side")]
+    Output(u16, u16),
+    /// No mesh is good enough.
+    #[error(
+        "{eye} eye: no mesh meets {wanted_px} px: {reached}. Allow more with --max-error, or ask \
+         for a larger output (finer pixels bend less from vertex to vertex)"
+    )]
+    Accuracy {
+        /// Which eye.
+        eye: &'static str,
+        /// Error asked for.
+        wanted_px: f64,
+        /// What each step reached.
+        reached: String,
+    },
+    /// No output pixel shows either eye.
+    #[error("no output pixel is seen by an eye: check the projection's axis and the field")]
+    Empty,
+    /// The view cannot be expressed in the table's fixed point.
+    #[error("the projection's numbers do not fit the table")]
+    OutputMap,
+    /// Too many different rows.
+    #[error(transparent)]
+    Runs(#[from] RunsTooLong),
+    /// The finished table does not pass its own proof: a bug here.
+    #[error("the finished table is not valid: {0}. Please report this with the rig file")]
+    Proof(TableError),
+}
+
+/// Bakes a table.
+///
+/// # Errors
+/// [`BakeError`]: an option out of range, or no table that meets it.
+pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
+    check(options)?;
+    // A position off by the allowed error and its rounding must still have its whole box.
+    let sights = Sights::trace(rig, &options.output, options.max_error_px + 1.0 / 128.0);
+    let rows = runs(&sights, options.feather_rad);
+    let [left, right] = meshes(rig, &sights, &rows, options)?;
+    if left.is_none() && right.is_none() {
+        return Err(BakeError::Empty);
+    }
+    let coordinate_error_px = total_error(&[&left, &right]);
+    let rays = |eye: &Option<tectum_optics::RigEye>| {
+        eye.as_ref()
+            .and_then(|eye| eye_rays(eye, rig.stitch_distance_m))
+    };
+    let mut builder = TableBuilder {
+        output_size_px: options.output.size_px,
+        rig_fingerprint: rig.fingerprint(),
+        mesh: [&left, &right].map(|mesh| mesh.as_ref().map(|m| m.data.clone())),
+        rows,
+        output_map: output_map(&options.output).ok_or(BakeError::OutputMap)?,
+        rays: [rays(&rig.left), rays(&rig.right)],
+        metadata: String::new(),
+    };
+    builder.metadata = metadata(rig, options, coordinate_error_px);
+    let bytes = builder.to_bytes()?;
+    let tables = Tables::parse(&bytes).map_err(BakeError::Proof)?;
+    let report = report(&tables, &builder, coordinate_error_px);
+    Ok(Baked { bytes, report })
+}
+
+fn check(options: &BakeOptions) -> Result<(), BakeError> {
+    if !(0.004..=10.0).contains(&options.max_error_px) {
+        return Err(BakeError::MaxError(options.max_error_px));
+    }
+    if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&options.feather_rad) {
+        return Err(BakeError::Feather(options.feather_rad.to_degrees()));
+    }
+    let [width, height] = options.output.size_px;
+    if width.max(height) > tectum_tables::MAX_OUTPUT_PX {
+        return Err(BakeError::Output(width, height));
+    }
+    Ok(())
+}
+
+fn runs(sights: &Sights, feather_rad: f64) -> Vec<Vec<RunData>> {
+    sights
+        .pixels
+        .par_chunks_exact(sights.width_px)
+        .map(|row| {
+            let weights: Vec<Option<f64>> = row
+                .iter()
+                .map(|sights| {
+                    let [left, right] = sights.map(|sight| sight.map(|s| s.off_axis_rad));
+                    left_weight(left, right, feather_rad)
+                })
+                .collect();
+            row_runs(&weights)
+        })
+        .collect()
+}
+
+/// The coarsest mesh of each eye that meets the error.
+fn meshes(
+    rig: &Rig,
+    sights: &Sights,
+    rows: &[Vec<RunData>],
+    options: &BakeOptions,
+) -> Result<[Option<FittedMesh>; 2], BakeError> {
+    let eyes = [("left", &rig.left), ("right", &rig.right)];
+    let fitted: Vec<_> = (0..2)
+        .into_par_iter()
+        .map(|i| {
+            let (name, Some(eye)) = eyes[i] else {
+                return Ok(None);
+            };
+            let targets = targets(sights, rows, i);
+            coarsest(name, &targets, eye.eye.size_px, options.max_error_px)
+        })
+        .collect();
+    let mut fitted = fitted.into_iter();
+    let mut next = || fitted.next().unwrap_or(Ok(None));
+    Ok([next()?, next()?])
+}
+
+fn coarsest(
+    eye: &'static str,
+    targets: &Targets,
+    source_size_px: [u16; 2],
+    wanted_px: f64,
+) -> Result<Option<FittedMesh>, BakeError> {
+    let mut reached = Vec::new();
+    for step_log2 in STEPS_LOG2 {
+        let step = 1 << step_log2;
+        match fit(targets, source_size_px, step_log2, wanted_px) {
+            Ok(Some(mesh)) if mesh.max_error_px > wanted_px => {
+                reached.push(format!("step {step} gives {:.3} px", mesh.max_error_px));
+            }
+            Ok(mesh) => return Ok(mesh),
+            Err(error) => reached.push(format!("step {step}: {error}")),
+        }
+    }
+    Err(BakeError::Accuracy {
+        eye,
+        wanted_px,
+        reached: reached.join(", "),
+    })
+}
+
+/// What one eye shows according to the runs.
+fn targets(sights: &Sights, rows: &[Vec<RunData>], eye: usize) -> Targets {
+    let mut positions = Vec::with_capacity(sights.pixels.len());
+    for (row, sights) in rows.iter().zip(sights.pixels.chunks_exact(sights.width_px)) {
+        let mut sights = sights.iter();
+        for run in row {
+            let (len, shown) = match *run {
+                RunData::Void(n) => (n, [false, false]),
+                RunData::Left(n) => (n, [true, false]),
+                RunData::Right(n) => (n, [false, true]),
+                RunData::Blend(n, _) => (n, [true, true]),
+            };
+            positions.extend(sights.by_ref().take(usize::from(len)).map(|sights| {
+                sights[eye]
+                    .filter(|_| shown[eye])
+                    .map_or(Targets::HIDDEN, |s| s.pixel)
+            }));
+        }
+    }
+    Targets::new(sights.width_px, rows.len(), positions)
+}
+
+fn total_error(meshes: &[&Option<FittedMesh>]) -> ErrorSummary {
+    let meshes = || meshes.iter().copied().flatten();
+    let pixels: usize = meshes().map(|m| m.shown_px).sum();
+    let squares: f64 = meshes()
+        .map(|m| m.rms_error_px * m.rms_error_px * m.shown_px as f64)
+        .sum();
+    ErrorSummary {
+        max: meshes().fold(0.0, |max, m| m.max_error_px.max(max)),
+        rms: (squares / pixels.max(1) as f64).sqrt(),
+    }
+}
+
+fn output_map(map: &OutputMap) -> Option<OutputMapData> {
+    let axis = |[start, step]: [f64; 2]| Some([quantise(start, 28)?, quantise(step, 28)?]);
+    Some(OutputMapData {
+        kind: match map.formula {
+            ViewFormula::Equirect => ProjectionKind::Equirect,
+            ViewFormula::Cylindrical => ProjectionKind::Cylindrical,
+            ViewFormula::Fisheye => ProjectionKind::Fisheye,
+            ViewFormula::Perspective => ProjectionKind::Perspective,
+        },
+        rotation_q30: rotation_q30(&map.rotation),
+        u_q28: axis(map.u)?,
+        v_q28: axis(map.v)?,
+    })
+}
+
+fn metadata(rig: &Rig, options: &BakeOptions, error: ErrorSummary) -> String {
+    format!(
+        "rig = {:?}\nbaked_by = \"tectum {}\"\nstitch_distance_m = {:?}\nfeather_deg = {:.3}\n\
+         max_error_px = {}\ncoordinate_error_px = {{ max = {:.4}, rms = {:.4} }}\n",
+        rig.name,
+        env!("CARGO_PKG_VERSION"),
+        rig.stitch_distance_m,
+        options.feather_rad.to_degrees(),
+        options.max_error_px,
+        error.max,
+        error.rms,
+    )
+}
+
+fn report(tables: &Tables<'_>, builder: &TableBuilder, error: ErrorSummary) -> Report {
+    let meshes = [0, 1].map(|i| builder.mesh[i].as_ref());
+    let [mesh_left, mesh_right] = meshes.map(|m| m.map_or(0, |m| m.to_bytes().len()));
+    let total = tables.length_bytes();
+    let runs = tables.runs_bytes();
+    let mut pixels = Owners::default();
+    for run in builder.rows.iter().flatten() {
+        match *run {
+            RunData::Void(n) => pixels.void += usize::from(n),
+            RunData::Left(n) => pixels.left += usize::from(n),
+            RunData::Right(n) => pixels.right += usize::from(n),
+            RunData::Blend(n, _) => pixels.blend += usize::from(n),
+        }
+    }
+    Report {
+        bytes: Bytes {
+            total,
+            mesh_left,
+            mesh_right,
+            runs,
+            other: total - mesh_left - mesh_right - runs,
+        },
+        step: meshes.map(|m| m.map(|m| 1 << m.step_log2)),
+        coordinate_error_px: error,
+        pixels,
+        source_bytes_gray8: meshes.map(|m| {
+            m.map_or(0, |m| {
+                m.source_size_px.iter().map(|s| usize::from(*s)).product()
+            })
+        }),
+    }
+}

@@ -1,0 +1,57 @@
+//! Where every output pixel looks in each eye, straight from the camera models.
+
+use rayon::prelude::*;
+use tectum_optics::{OutputMap, Rig, RigEye};
+
+/// What one output pixel sees in one eye.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// Source position, px.
+    pub pixel: [f64; 2],
+    /// Angle off the eye's optical axis, rad.
+    pub off_axis_rad: f64,
+}
+
+/// Sights of all output pixels in both eyes, row by row: `[left, right]`.
+#[derive(Debug, Clone)]
+pub struct Sights {
+    /// Width of the output, px.
+    pub width_px: usize,
+    /// One entry a pixel.
+    pub pixels: Vec<[Option<Sight>; 2]>,
+}
+
+impl Sights {
+    /// Traces every output pixel of `map` into both eyes of `rig`. A sight closer than
+    /// `margin_px` to the border of what a bilinear box needs does not count.
+    pub fn trace(rig: &Rig, map: &OutputMap, margin_px: f64) -> Self {
+        let [width, height] = map.size_px.map(usize::from);
+        let sight = |eye: &RigEye, x: usize, y: usize| {
+            let direction = map.ray(x as f64, y as f64)?;
+            let ray = eye.camera_ray(&direction, rig.stitch_distance_m);
+            let pixel = eye.eye.project(&ray).ok()?;
+            let inside =
+                |p: f64, side: u16| (margin_px..=f64::from(side - 1) - margin_px).contains(&p);
+            let [w, h] = eye.eye.size_px;
+            (inside(pixel[0], w) && inside(pixel[1], h)).then(|| Sight {
+                pixel,
+                off_axis_rad: tectum_optics::convention::angle_between(
+                    &ray,
+                    &nalgebra::Vector3::z(),
+                ),
+            })
+        };
+        let pixels = (0..height)
+            .into_par_iter()
+            .flat_map_iter(|y| {
+                (0..width).map(move |x| {
+                    [&rig.left, &rig.right].map(|eye| eye.as_ref().and_then(|e| sight(e, x, y)))
+                })
+            })
+            .collect();
+        Self {
+            width_px: width,
+            pixels,
+        }
+    }
+}
