@@ -4,16 +4,19 @@
 //! [`reference`](mod@reference) holds the slow stitchers that prove it; [`stitch`] runs the core on whole pictures.
 
 mod bake;
+pub mod convert;
 mod format;
 pub mod mesh;
 mod rays;
 pub mod reference;
 pub mod seam;
 mod sights;
+mod verify;
 
 pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
 pub use format::{Format, Pair, Pass, stitch};
 pub use sights::{Sight, Sights};
+pub use verify::{FormatResult, PixelError, Verification, VerifyError, output_map, verify};
 
 /// Why frames could not be stitched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

@@ -1,0 +1,124 @@
+//! Pictures of 8-bit red, green, blue to the core's pixel formats and back.
+//!
+//! Luma and chroma are BT.601, full range, as in JPEG (ITU-T T.871).
+
+use crate::Format;
+
+/// `rgb` (three bytes a pixel, rows tightly packed) in another format. For YUYV the chroma of a
+/// pair is its even pixel's, where the format sites it; an odd last pixel is dropped.
+pub fn from_rgb8(format: Format, rgb: &[u8]) -> Vec<u8> {
+    let pixels = rgb.as_chunks::<3>().0;
+    match format {
+        Format::Rgb8 => rgb.to_vec(),
+        Format::Gray8 => pixels.iter().map(|p| luma(*p)).collect(),
+        Format::Rgb565 => pixels
+            .iter()
+            .flat_map(|&[r, g, b]| {
+                let [r, g, b] = [scale(r, 31), scale(g, 63), scale(b, 31)];
+                (r << 11 | g << 5 | b).to_le_bytes()
+            })
+            .collect(),
+        Format::Yuyv => pixels
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .flat_map(|&[even, odd]| {
+                let [u, v] = chroma(even);
+                [luma(even), u, luma(odd), v]
+            })
+            .collect(),
+    }
+}
+
+/// `bytes` in `format` as three bytes a pixel.
+pub fn to_rgb8(format: Format, bytes: &[u8]) -> Vec<u8> {
+    match format {
+        Format::Rgb8 => bytes.to_vec(),
+        Format::Gray8 => bytes.iter().flat_map(|y| [*y; 3]).collect(),
+        Format::Rgb565 => bytes
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .flat_map(|word| {
+                let word = u16::from_le_bytes(*word);
+                [
+                    unscale(word >> 11, 31),
+                    unscale(word >> 5 & 63, 63),
+                    unscale(word & 31, 31),
+                ]
+            })
+            .collect(),
+        Format::Yuyv => bytes
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .flat_map(|&[y0, u, y1, v]| [y0, y1].map(|y| colour(y, u, v)).concat())
+            .collect(),
+    }
+}
+
+/// `value` of 255 as part of `max`, rounded.
+fn scale(value: u8, max: u32) -> u16 {
+    ((u32::from(value) * max * 2 + 255) / 510) as u16
+}
+
+fn unscale(value: u16, max: u32) -> u8 {
+    ((u32::from(value) * 510 + max) / (2 * max)) as u8
+}
+
+fn luma([r, g, b]: [u8; 3]) -> u8 {
+    let [r, g, b] = [r, g, b].map(u32::from);
+    ((299 * r + 587 * g + 114 * b + 500) / 1000) as u8
+}
+
+fn chroma(rgb: [u8; 3]) -> [u8; 2] {
+    let [r, _, b] = rgb.map(i32::from);
+    let y = i32::from(luma(rgb));
+    // T.871: Cb = (B - Y) / 1.772 + 128, Cr = (R - Y) / 1.402 + 128.
+    [(b - y) * 1000 / 1772 + 128, (r - y) * 1000 / 1402 + 128].map(|c| c.clamp(0, 255) as u8)
+}
+
+fn colour(y: u8, u: u8, v: u8) -> [u8; 3] {
+    let [y, u, v] = [i32::from(y), i32::from(u) - 128, i32::from(v) - 128];
+    [
+        y + v * 1402 / 1000,
+        y - (u * 344 + v * 714) / 1000,
+        y + u * 1772 / 1000,
+    ]
+    .map(|c| c.clamp(0, 255) as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_survive_within_their_depth() {
+        for [r, g, b] in [[0, 0, 0], [255, 255, 255], [200, 30, 90], [10, 250, 128]] {
+            let rgb = [r, g, b, r, g, b];
+            for (format, tolerance) in [
+                (Format::Rgb8, 0),
+                // Half a step of 5 bits is 255 / 62.
+                (Format::Rgb565, 5),
+                // Rounding of luma and both chromas, times up to 1.772.
+                (Format::Yuyv, 3),
+            ] {
+                let back = to_rgb8(format, &from_rgb8(format, &rgb));
+                for (a, b) in back.iter().zip(rgb) {
+                    assert!(a.abs_diff(b) <= tolerance, "{format:?} {rgb:?} {back:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn grey_stays_grey() {
+        for v in 0..=255 {
+            assert_eq!(from_rgb8(Format::Gray8, &[v; 3]), [v]);
+            assert_eq!(
+                to_rgb8(Format::Yuyv, &from_rgb8(Format::Yuyv, &[v; 6])),
+                [v; 6]
+            );
+        }
+    }
+}
