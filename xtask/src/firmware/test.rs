@@ -13,8 +13,9 @@ use super::toolchain::Toolchain;
 use super::{emulate, host, proofs, workspace};
 
 /// Programs that run, and how their output is compared.
-const PROGRAMS: [(&str, Compare); 3] = [
+const PROGRAMS: [(&str, Compare); 4] = [
     ("stitch", Compare::Exact),
+    ("lookup", Compare::Exact),
     ("counts", Compare::Figures),
     ("stack", Compare::Figures),
 ];
@@ -28,7 +29,7 @@ pub struct Args {
     /// One board alone
     #[arg(long)]
     board: Option<Board>,
-    /// One program alone: stitch, counts, stack or proofs
+    /// One program alone: stitch, lookup, counts, stack or proofs
     name: Option<String>,
 }
 
@@ -93,8 +94,8 @@ fn test_board(builder: Builder, args: &Args) -> Vec<(String, anyhow::Result<()>)
 
 fn test_program(builder: Builder, name: &str, compare: Compare, bless: bool) -> anyhow::Result<()> {
     let mut lines = emulate::run(builder.board, &builder.program(name)).context("emulating")?;
-    if name == "stitch" {
-        host::check(builder.board, &lines)?;
+    if let Some(expected) = host::lines(builder.board, name)? {
+        host::compare(&expected, &lines)?;
     }
     if compare == Compare::Figures {
         lines.insert(0, builder.toolchain.version());
