@@ -8,6 +8,7 @@
 pub mod camera;
 pub mod convention;
 mod field;
+pub mod io;
 mod pose;
 pub mod projection;
 mod rig;

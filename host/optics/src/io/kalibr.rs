@@ -1,0 +1,145 @@
+//! Kalibr's camera chain (`camchain.yaml`): the cameras of it. Poses, topics and time shifts are
+//! neither read nor written.
+//!
+//! Keys and the order of `intrinsics` are those of Kalibr's wiki page "Yaml formats".
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use super::{CalibFileError, CalibratedCamera, checked_size_px};
+use crate::camera::{CameraModel, DoubleSphere, Eucm, KannalaBrandt};
+
+/// Models in Kalibr's words.
+const MODELS: &str = "pinhole with equidistant distortion, ds, eucm";
+
+#[derive(serde::Deserialize)]
+struct Camera {
+    camera_model: String,
+    intrinsics: Vec<f64>,
+    distortion_model: String,
+    distortion_coeffs: Vec<f64>,
+    resolution: [i64; 2],
+}
+
+/// Cameras `cam0`, `cam1`, ... of a chain, in this order.
+///
+/// # Errors
+/// [`CalibFileError`] if the text is not such a file, a camera's number is left out, or a model is
+/// none of `pinhole` with `equidistant`, `ds`, `eucm`.
+pub fn parse(text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
+    let mut chain: BTreeMap<String, Camera> =
+        serde_saphyr::from_str(text).map_err(|error| CalibFileError::Syntax {
+            format: "Kalibr",
+            message: error.to_string(),
+        })?;
+    let cameras = (0..chain.len().max(1)).map(|index| {
+        let name = format!("cam{index}");
+        let camera = chain.remove(&name).ok_or_else(|| CalibFileError::Missing {
+            what: name.clone(),
+            expected: "cameras cam0, cam1, ... without a gap, and nothing else",
+        })?;
+        read(&name, &camera)
+    });
+    cameras.collect()
+}
+
+fn read(name: &str, camera: &Camera) -> Result<CalibratedCamera, CalibFileError> {
+    let distortion = &camera.distortion_coeffs[..];
+    let model = match (&camera.camera_model[..], &camera.distortion_model[..]) {
+        ("pinhole", "equidistant") => {
+            let [fx, fy, cx, cy] = numbers(name, "intrinsics", &camera.intrinsics)?;
+            let distortion = numbers(name, "distortion_coeffs", distortion)?;
+            KannalaBrandt::new([fx, fy], [cx, cy], distortion).map(CameraModel::KannalaBrandt)
+        }
+        ("ds", "none") => {
+            let [] = numbers(name, "distortion_coeffs", distortion)?;
+            let [xi, alpha, fx, fy, cx, cy] = numbers(name, "intrinsics", &camera.intrinsics)?;
+            DoubleSphere::new([fx, fy], [cx, cy], xi, alpha).map(CameraModel::DoubleSphere)
+        }
+        ("eucm", "none") => {
+            let [] = numbers(name, "distortion_coeffs", distortion)?;
+            let [alpha, beta, fx, fy, cx, cy] = numbers(name, "intrinsics", &camera.intrinsics)?;
+            Eucm::new([fx, fy], [cx, cy], alpha, beta).map(CameraModel::Eucm)
+        }
+        (model, distortion) => {
+            return Err(CalibFileError::value(
+                &format!("{name}: camera_model, distortion_model"),
+                &format!("{model}, {distortion}"),
+                MODELS,
+            ));
+        }
+    };
+    let model = model.map_err(|source| CalibFileError::Camera {
+        place: name.to_owned(),
+        source,
+    })?;
+    Ok(CalibratedCamera {
+        model,
+        size_px: checked_size_px(camera.resolution, &format!("{name}: resolution"))?,
+    })
+}
+
+/// A list of exactly `N` numbers.
+fn numbers<const N: usize>(
+    name: &str,
+    key: &str,
+    list: &[f64],
+) -> Result<[f64; N], CalibFileError> {
+    <[f64; N]>::try_from(list).map_err(|_| {
+        CalibFileError::value(
+            &format!("{name}: {key}"),
+            &format!("{} numbers", list.len()),
+            match N {
+                0 => "none",
+                4 => "4 numbers",
+                _ => "6 numbers",
+            },
+        )
+    })
+}
+
+/// A chain's text, cameras named `cam0`, `cam1`, ... in their order.
+///
+/// # Errors
+/// [`CalibFileError::NoSuchModel`] for a model that Kalibr does not have.
+pub fn to_text(cameras: &[CalibratedCamera]) -> Result<String, CalibFileError> {
+    let mut text = String::new();
+    for (index, camera) in cameras.iter().enumerate() {
+        let mut distortion = None;
+        let (kalibr_name, intrinsics) = match &camera.model {
+            CameraModel::KannalaBrandt(model) => {
+                let ([fx, fy], [cx, cy]) = (model.focal_px, model.centre_px);
+                distortion = Some(model.distortion);
+                ("pinhole", vec![fx, fy, cx, cy])
+            }
+            CameraModel::DoubleSphere(model) => {
+                let ([fx, fy], [cx, cy]) = (model.focal_px, model.centre_px);
+                ("ds", vec![model.xi, model.alpha, fx, fy, cx, cy])
+            }
+            CameraModel::Eucm(model) => {
+                let ([fx, fy], [cx, cy]) = (model.focal_px, model.centre_px);
+                ("eucm", vec![model.alpha, model.beta, fx, fy, cx, cy])
+            }
+            CameraModel::Ocam(_) | CameraModel::Equidistant(_) => {
+                return Err(CalibFileError::NoSuchModel {
+                    format: "Kalibr",
+                    model: camera.model.name(),
+                    allowed: MODELS,
+                });
+            }
+        };
+        let (distortion_name, coefficients) = match &distortion {
+            Some(coefficients) => ("equidistant", &coefficients[..]),
+            None => ("none", &[][..]),
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "cam{index}:\n  camera_model: {kalibr_name}\n  intrinsics: {intrinsics:?}\n  \
+             distortion_model: {distortion_name}\n  distortion_coeffs: {coefficients:?}\n  \
+             resolution: {:?}",
+            camera.size_px
+        );
+    }
+    Ok(text)
+}

@@ -1,0 +1,47 @@
+//! Calibration files of other tools, read and written.
+//!
+//! | Module | Files | Models |
+//! |---|---|---|
+//! | [`ocam_calib`] | `calib_results.txt` of OCamCalib | [`Ocam`](crate::camera::Ocam) |
+//! | [`opencv_yaml`] | `FileStorage` YAML of OpenCV | [`KannalaBrandt`](crate::camera::KannalaBrandt) |
+//! | [`kalibr`] | camera chain of Kalibr | Kannala-Brandt, double sphere, EUCM |
+//! | [`basalt`] | calibration JSON of Basalt | the same |
+//!
+//! All take and give text; which file it came from is the caller's to say. What is written reads
+//! back equal, bit by bit.
+
+pub mod basalt;
+mod error;
+mod inverse_polynomial;
+pub mod kalibr;
+pub mod ocam_calib;
+pub mod opencv_yaml;
+
+pub use error::CalibFileError;
+
+use crate::camera::CameraModel;
+
+/// Longest image side that is believed, px.
+pub const MAX_SIDE_PX: u16 = 16384;
+
+/// One camera of a file that holds several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibratedCamera {
+    /// Ray to pixel.
+    pub model: CameraModel,
+    /// Width and height, px.
+    pub size_px: [u16; 2],
+}
+
+/// Checks a width and height, px; `place` says where they stand.
+fn checked_size_px(sides: [i64; 2], place: &str) -> Result<[u16; 2], CalibFileError> {
+    let side = |value: i64| match u16::try_from(value) {
+        Ok(side) if (1..=MAX_SIDE_PX).contains(&side) => Ok(side),
+        _ => Err(CalibFileError::value(
+            place,
+            &value.to_string(),
+            "an image side of 1 to 16384 px",
+        )),
+    };
+    Ok([side(sides[0])?, side(sides[1])?])
+}
