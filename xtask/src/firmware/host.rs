@@ -61,3 +61,17 @@ fn stitch(tables: &Tables) -> anyhow::Result<Vec<String>> {
         .map_err(|error| anyhow!("the job on the host: {error:?}"))?;
     Ok(lines)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_differing_or_missing_line_is_noticed() {
+        let host = ["a 1".to_string(), "b 2".to_string()];
+        assert!(compare(&host, &host).is_ok());
+        assert!(compare(&host, &["a 1".to_string(), "b 3".to_string()]).is_err());
+        assert!(compare(&host, &host[..1]).is_err());
+        assert!(compare(&host[..1], &host).is_err());
+    }
+}
