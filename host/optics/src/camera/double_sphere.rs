@@ -11,7 +11,7 @@ pub struct DoubleSphere {
     pub focal_px: [f64; 2],
     /// Principal point `[cx, cy]`, px.
     pub centre_px: [f64; 2],
-    /// Distance of the spheres' centres, -1..=1.
+    /// Distance of the spheres' centres, above -1 and below 1.
     pub xi: f64,
     /// Shift of the pinhole, 0..=1.
     pub alpha: f64,
@@ -36,11 +36,11 @@ impl DoubleSphere {
             ("centre_px[0]", centre_px[0]),
             ("centre_px[1]", centre_px[1]),
         ])?;
-        if !(-1.0..=1.0).contains(&xi) {
+        if xi.is_nan() || xi.abs() >= 1.0 {
             return Err(ParameterError {
                 parameter: "xi",
                 value: xi,
-                allowed: "-1 to 1",
+                allowed: "above -1, below 1",
             });
         }
         if !(0.0..=1.0).contains(&alpha) {
@@ -60,18 +60,19 @@ impl DoubleSphere {
 
     pub(super) fn project(&self, ray: &Vector3<f64>) -> Result<[f64; 2], ModelError> {
         let (xi, alpha) = (self.xi, self.alpha);
-        // Eqs. 43-45: beyond this half-space the projection folds back.
+        let shifted = xi + ray.z;
+        let d2 = (ray.x * ray.x + ray.y * ray.y + shifted * shifted).sqrt();
+        // Where the pinhole's image of the second sphere folds back (alpha > 1/2) or reaches
+        // infinity. The paper's w2 (eq. 44) takes a point of the second sphere for one of the
+        // first, and is exact for xi = 0 alone.
         let w1 = if alpha <= 0.5 {
             alpha / (1.0 - alpha)
         } else {
             (1.0 - alpha) / alpha
         };
-        let w2 = (w1 + xi) / (2.0 * w1 * xi + xi * xi + 1.0).sqrt();
-        if ray.z <= -w2 {
+        if shifted <= -w1 * d2 {
             return Err(ModelError::OutsideField);
         }
-        let shifted = xi + ray.z;
-        let d2 = (ray.x * ray.x + ray.y * ray.y + shifted * shifted).sqrt();
         let depth = alpha * d2 + (1.0 - alpha) * shifted;
         if depth <= 0.0 {
             return Err(ModelError::OutsideField);
@@ -93,11 +94,7 @@ impl DoubleSphere {
             return Err(ModelError::OutsideImage);
         }
         let mz = (1.0 - alpha * alpha * r2) / (alpha * radicand.sqrt() + 1.0 - alpha);
-        let inner = mz * mz + (1.0 - xi * xi) * r2;
-        if inner < 0.0 {
-            return Err(ModelError::OutsideImage);
-        }
-        let k = (mz * xi + inner.sqrt()) / (mz * mz + r2);
+        let k = (mz * xi + (mz * mz + (1.0 - xi * xi) * r2).sqrt()) / (mz * mz + r2);
         Ok(Vector3::new(k * mx, k * my, k * mz - xi).normalize())
     }
 }

@@ -102,12 +102,18 @@ impl CameraModel {
             return Err(ModelError::NotARay);
         }
         let ray = ray / length;
-        match self {
+        let pixel = match self {
             Self::Ocam(model) => model.project(&ray),
             Self::KannalaBrandt(model) => model.project(&ray),
             Self::DoubleSphere(model) => model.project(&ray),
             Self::Eucm(model) => model.project(&ray),
             Self::Equidistant(model) => model.project(&ray),
+        }?;
+        // At a rim that reaches infinity.
+        if pixel.iter().all(|p| p.is_finite()) {
+            Ok(pixel)
+        } else {
+            Err(ModelError::OutsideField)
         }
     }
 
@@ -119,12 +125,19 @@ impl CameraModel {
         if !pixel.iter().all(|p| p.is_finite()) {
             return Err(ModelError::OutsideImage);
         }
-        match self {
+        let ray = match self {
             Self::Ocam(model) => model.unproject(pixel),
             Self::KannalaBrandt(model) => model.unproject(pixel),
             Self::DoubleSphere(model) => model.unproject(pixel),
             Self::Eucm(model) => model.unproject(pixel),
             Self::Equidistant(model) => model.unproject(pixel),
+        }?;
+        // Pixels so far out that squares overflow, and 0/0 on the rim of a bare sphere, leave
+        // something that is no unit vector.
+        if ray.norm_squared() > 0.5 {
+            Ok(ray)
+        } else {
+            Err(ModelError::OutsideImage)
         }
     }
 
