@@ -104,13 +104,13 @@ fn opencv_files_round_trip() {
         (
             "pinhole-opencv-leftright/left_intrinsics.yml",
             4,
-            5.3591573396163199e+02,
+            535.915_733_961_632,
             5,
         ),
         (
             "aruco-opencv/tutorial_camera_charuco.yml",
             2,
-            4.5251072219637672e+02,
+            452.510_722_196_376_7,
             5,
         ),
         ("aruco-opencv/tutorial_camera_params.yml", 2, 628.158, 5),
