@@ -2,11 +2,11 @@
 
 use core::marker::PhantomData;
 
-use tectum_tables::{Eye, Run, RunKind, Tables};
+use tectum_tables::{Eye, Ramp, Run, RunKind, Tables};
 
 use crate::Frame;
 use crate::format::PixelFormat;
-use crate::kernel::{Bilinear, Blend, Nearest, Source, Write};
+use crate::kernel::{Bilinear, Nearest, Source};
 
 /// How source pixels are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +57,10 @@ impl core::fmt::Display for StitchError {
 }
 
 impl core::error::Error for StitchError {}
+
+/// Pixels that are blended together: enough to make starting a stretch cheap beside sampling it.
+const STRETCH_PX: usize = 64;
+const MAX_BYTES_PER_PIXEL: usize = 3;
 
 /// Stitches frames of pixel format `F` with one table.
 ///
@@ -184,10 +188,11 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
 
     fn left_runs(&self, source: Source<'_>, y: u16, out: &mut [u8]) {
         for run in self.tables.runs(y) {
+            let start = run.start as usize;
             match run.kind {
-                RunKind::Void => F::fill(out, run.start as usize, run.len as usize),
+                RunKind::Void => F::fill(out, start, run.len as usize),
                 RunKind::Left | RunKind::Blend(_) => {
-                    self.span(source, Eye::Left, y, run, Write, out);
+                    self.span(source, Eye::Left, y, run, out, start);
                 }
                 RunKind::Right => {}
             }
@@ -197,32 +202,41 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
     fn right_runs(&self, source: Source<'_>, y: u16, out: &mut [u8]) {
         for run in self.tables.runs(y) {
             match run.kind {
-                RunKind::Right => self.span(source, Eye::Right, y, run, Write, out),
-                RunKind::Blend(ramp) => {
-                    self.span(source, Eye::Right, y, run, Blend(ramp), out);
-                }
+                RunKind::Right => self.span(source, Eye::Right, y, run, out, run.start as usize),
+                RunKind::Blend(ramp) => self.blend(source, y, run, ramp, out),
                 RunKind::Void | RunKind::Left => {}
             }
         }
     }
 
-    fn span(
-        &self,
-        source: Source<'_>,
-        eye: Eye,
-        y: u16,
-        run: Run,
-        sink: impl crate::kernel::Sink,
-        out: &mut [u8],
-    ) {
+    /// Samples the pixels of `run` into `out` from column `start`.
+    fn span(&self, source: Source<'_>, eye: Eye, y: u16, run: Run, out: &mut [u8], start: usize) {
         let Some(mesh) = self.tables.mesh(eye) else {
             return;
         };
         let segments = mesh.segments(y, run.start, run.len);
-        let start = run.start as usize;
         match self.sampler {
-            Sampler::Nearest => F::span::<Nearest, _>(source, segments, sink, out, start),
-            Sampler::Bilinear => F::span::<Bilinear, _>(source, segments, sink, out, start),
+            Sampler::Nearest => F::span::<Nearest>(source, segments, out, start),
+            Sampler::Bilinear => F::span::<Bilinear>(source, segments, out, start),
+        }
+    }
+
+    /// Blends the right eye over what the left eye left in `out`, a stretch at a time through a
+    /// small buffer: no kernel needs a second version that blends.
+    fn blend(&self, source: Source<'_>, y: u16, run: Run, mut ramp: Ramp, out: &mut [u8]) {
+        let mut right = [0; STRETCH_PX * MAX_BYTES_PER_PIXEL];
+        let end = run.start + run.len;
+        let mut start = run.start;
+        while start < end {
+            // All but the first stretch start at an even column, as pairs of pixels do.
+            let odd = start % 2;
+            let len = (STRETCH_PX as u32 - odd).min(end - start);
+            let stretch = Run { start, len, ..run };
+            self.span(source, Eye::Right, y, stretch, &mut right, odd as usize);
+            let first = odd as usize / F::PIXELS;
+            let right = right.get(first * F::BYTES_PER_PIXEL..).unwrap_or_default();
+            F::blend(out, right, start as usize, len as usize, &mut ramp);
+            start += len;
         }
     }
 }

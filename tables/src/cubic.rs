@@ -93,9 +93,9 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Axis at pixel `k` of a cell with row values `p` in Q8, relative to `origin_px`.
+    /// Axis at the start of a cell with row values `p` in Q8, relative to `origin_px`.
     #[inline(always)]
-    pub(crate) fn new(p: [i32; 4], origin_px: i32, k: i32, step_log2: u32) -> Self {
+    pub(crate) fn new(p: [i32; 4], origin_px: i32, step_log2: u32) -> Self {
         let [p0, p1, p2, p3] = p;
         let a1 = p2.wrapping_sub(p0);
         let a3 = 3i32
@@ -112,29 +112,14 @@ impl Axis {
         let c1 = a1.wrapping_shl(15 - step_log2);
         let c2 = a2.wrapping_shl(15 - 2 * step_log2);
         let c3 = a3.wrapping_shl(15 - 3 * step_log2);
-        let start = ((p1 & 255) << 16).wrapping_add(1 << 15);
-        let mut axis = Self {
+        Self {
             base_px: origin_px + (p1 >> 8),
-            offset: Offset(start),
+            offset: Offset(((p1 & 255) << 16).wrapping_add(1 << 15)),
             difference: [
                 c1.wrapping_add(c2).wrapping_add(c3),
                 c2.wrapping_mul(2).wrapping_add(c3.wrapping_mul(6)),
                 c3.wrapping_mul(6),
             ],
-        };
-        // Only a run's first cell is entered in its middle.
-        if k != 0 {
-            axis.advance(k);
-        }
-        axis
-    }
-
-    /// Steps `k` times.
-    #[cold]
-    #[inline(never)]
-    fn advance(&mut self, k: i32) {
-        for _ in 0..k {
-            self.step();
         }
     }
 
@@ -225,7 +210,10 @@ mod tests {
         fn stepping_equals_direct_evaluation(p in chain(32_001), s in 3u32..=5, k0 in 0i32..32) {
             let step = 1 << s;
             let k0 = k0 % step;
-            let mut axis = Axis::new(p, 7, k0, s);
+            let mut axis = Axis::new(p, 7, s);
+            for _ in 0..k0 {
+                axis.step();
+            }
             for k in k0..step {
                 let exact = catmull_rom(p.map(f64::from), f64::from(k) / f64::from(step));
                 prop_assert_eq!(axis.position_q8(), 7 * 256 + (exact + 0.5).floor() as i32);
@@ -261,7 +249,7 @@ mod tests {
 
     #[test]
     fn the_first_pixel_of_a_cell_is_its_vertex() {
-        let axis = Axis::new([0, 1000, 3000, 4000], 0, 0, 4);
+        let axis = Axis::new([0, 1000, 3000, 4000], 0, 4);
         assert_eq!(axis.position_q8(), 1000);
         assert_eq!(RowWeights::new(0, 4, 6).apply([5, 7, 11, 13]), 7 << 2);
     }

@@ -1,5 +1,7 @@
 //! The mesh of one eye: where in the source frame each output pixel looks.
 
+use core::iter::Zip;
+
 use zerocopy::FromBytes;
 
 use crate::cubic::{Axis, MAX_STEP_LOG2, MAX_VERTEX_DIFFERENCE_Q8, RowWeights, Segment};
@@ -119,7 +121,7 @@ impl<'a> Mesh<'a> {
     pub fn segments(&self, row: u16, start: u32, len: u32) -> Segments<'a> {
         self.try_segments(row, start, len)
             .unwrap_or_else(|| Segments {
-                columns: [const { &[] as &[Vertex] }; 4].map(<[Vertex]>::iter),
+                columns: columns([&[]; 4]),
                 weights: RowWeights::new(0, self.step_log2(), self.fraction_bits()),
                 step_log2: self.step_log2(),
                 origin: [0; 2],
@@ -143,15 +145,15 @@ impl<'a> Mesh<'a> {
         // A column or row beyond the mesh's end makes one of the slices, or `next`, come up short.
         let below = self.vertices.get(top.checked_mul(width)?..)?;
         let row_from = |n: usize| below.get(n * width..)?.get(..width)?.get(left..);
-        let columns = [row_from(0)?, row_from(1)?, row_from(2)?, row_from(3)?];
+        let rows = [row_from(0)?, row_from(1)?, row_from(2)?, row_from(3)?];
         let mask = (1 << step_log2) - 1;
         let mut segments = Segments {
-            columns: columns.map(|column| column.iter()),
+            columns: columns(rows),
             weights: RowWeights::new(i32::from(row) & mask, step_log2, self.fraction_bits()),
             step_log2,
             origin: self.origin_px().map(i32::from),
             ring: [[0; 2]; 3],
-            k: start as i32 & mask,
+            k: start & mask as u32,
             left: len,
         };
         for i in 0..3 {
@@ -164,17 +166,25 @@ impl<'a> Mesh<'a> {
     }
 }
 
+/// Four vertex rows side by side, ending with the shortest.
+type Columns<'a> = Zip<Zip<Zip<Row<'a>, Row<'a>>, Row<'a>>, Row<'a>>;
+type Row<'a> = core::slice::Iter<'a, Vertex>;
+
+fn columns<'a>([a, b, c, d]: [&'a [Vertex]; 4]) -> Columns<'a> {
+    a.iter().zip(b).zip(c).zip(d)
+}
+
 /// Iterator over the [`Segment`]s of a run.
 #[derive(Debug, Clone)]
 pub struct Segments<'a> {
-    columns: [core::slice::Iter<'a, Vertex>; 4],
+    columns: Columns<'a>,
     weights: RowWeights,
     step_log2: u32,
     origin: [i32; 2],
     /// Row values of the three vertex columns before the next one: [x, y] in Q8.
     ring: [[i32; 2]; 3],
     /// First pixel inside the next cell.
-    k: i32,
+    k: u32,
     /// Pixels still to come.
     left: u32,
 }
@@ -182,8 +192,8 @@ pub struct Segments<'a> {
 impl Segments<'_> {
     #[inline(always)]
     fn next_column(&mut self) -> Option<[i32; 2]> {
-        let [a, b, c, d] = &mut self.columns;
-        let [a, b, c, d] = [a.next()?, b.next()?, c.next()?, d.next()?].map(Vertex::xy);
+        let (((a, b), c), d) = self.columns.next()?;
+        let [a, b, c, d] = [a, b, c, d].map(Vertex::xy);
         Some([
             self.weights.apply([a[0], b[0], c[0], d[0]]),
             self.weights.apply([a[1], b[1], c[1], d[1]]),
@@ -201,16 +211,21 @@ impl Iterator for Segments<'_> {
         }
         let p3 = self.next_column()?;
         let [p0, p1, p2] = self.ring;
+        self.ring = [p1, p2, p3];
         let [origin_x, origin_y] = self.origin;
         let k = self.k;
-        let len = ((1 << self.step_log2) - k as u32).min(self.left);
-        self.ring = [p1, p2, p3];
+        let end = (1 << self.step_log2).min(k + self.left);
+        let mut segment = Segment {
+            len: end - k,
+            x: Axis::new([p0[0], p1[0], p2[0], p3[0]], origin_x, self.step_log2),
+            y: Axis::new([p0[1], p1[1], p2[1], p3[1]], origin_y, self.step_log2),
+        };
+        // Only a run's first cell is entered in its middle.
+        for _ in 0..k {
+            segment.step();
+        }
+        self.left -= segment.len;
         self.k = 0;
-        self.left -= len;
-        Some(Segment {
-            len,
-            x: Axis::new([p0[0], p1[0], p2[0], p3[0]], origin_x, k, self.step_log2),
-            y: Axis::new([p0[1], p1[1], p2[1], p3[1]], origin_y, k, self.step_log2),
-        })
+        Some(segment)
     }
 }

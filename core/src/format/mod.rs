@@ -5,9 +5,9 @@ mod rgb565;
 mod rgb8;
 mod yuyv;
 
-use tectum_tables::Segments;
+use tectum_tables::{Ramp, Segments};
 
-use crate::kernel::{Position, Sink, Source};
+use crate::kernel::{Position, Source};
 
 pub use gray8::Gray8;
 pub use rgb8::Rgb8;
@@ -34,11 +34,10 @@ pub trait Kernel {
     /// Samples `source` along `segments` into the output row `row` from column `start`.
     #[doc(hidden)]
     #[allow(private_bounds, private_interfaces)]
-    fn span<P: Position, S: Sink>(
-        source: Source<'_>,
-        segments: Segments<'_>,
-        sink: S,
-        row: &mut [u8],
-        start: usize,
-    );
+    fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize);
+
+    /// Blends `right` over the left eye's pixels that are in `row` from column `start`. Both
+    /// begin with a pixel whose column has the same parity, and `right` ends the run's stretch.
+    #[doc(hidden)]
+    fn blend(row: &mut [u8], right: &[u8], start: usize, len: usize, ramp: &mut Ramp);
 }

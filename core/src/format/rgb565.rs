@@ -1,9 +1,9 @@
 //! 5 bits of red, 6 of green, 5 of blue.
 
-use tectum_tables::Segments;
+use tectum_tables::{Ramp, Segments};
 
 use super::{Kernel, PixelFormat};
-use crate::kernel::{Position, Sink, Source, Spot, bilinear, walk};
+use crate::kernel::{Position, Source, Spot, bilinear, blend, walk};
 
 /// A little-endian 16-bit word to a pixel: red in bits 15..11, green 10..5, blue 4..0. Channels
 /// are interpolated and blended at their own depth.
@@ -35,6 +35,11 @@ fn sample<P: Position>(spot: Spot<'_>, fraction_q8: [u32; 2]) -> [u32; 3] {
     [0, 1, 2].map(|i| bilinear([a[i], b[i], c[i], d[i]], fraction_q8))
 }
 
+#[inline(always)]
+fn pack([r, g, b]: [u32; 3]) -> [u8; 2] {
+    ((r << 11 | g << 5 | b) as u16).to_le_bytes()
+}
+
 #[allow(private_bounds, private_interfaces)]
 impl Kernel for Rgb565 {
     #[inline]
@@ -45,19 +50,22 @@ impl Kernel for Rgb565 {
     }
 
     #[inline(never)]
-    fn span<P: Position, S: Sink>(
-        source: Source<'_>,
-        segments: Segments<'_>,
-        mut sink: S,
-        row: &mut [u8],
-        start: usize,
-    ) {
+    fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
         walk::<P, 2>(source, segments, row, start, |out, spot, fraction_q8| {
-            let old = channels(u32::from(u16::from_le_bytes(*out)));
-            let new = sample::<P>(spot, fraction_q8);
-            let [r, g, b] = [0, 1, 2].map(|i| sink.mix(old[i], new[i]));
-            *out = ((r << 11 | g << 5 | b) as u16).to_le_bytes();
-            sink.step();
+            *out = pack(sample::<P>(spot, fraction_q8));
         });
+    }
+
+    #[inline]
+    fn blend(row: &mut [u8], right: &[u8], start: usize, len: usize, ramp: &mut Ramp) {
+        let out = row
+            .get_mut(2 * start..2 * (start + len))
+            .unwrap_or_default();
+        for (out, right) in out.as_chunks_mut().0.iter_mut().zip(right.as_chunks().0) {
+            let [old, new] =
+                [*out, *right].map(|word| channels(u32::from(u16::from_le_bytes(word))));
+            *out = pack([0, 1, 2].map(|i| blend(old[i], new[i], ramp.left_weight())));
+            ramp.step();
+        }
     }
 }

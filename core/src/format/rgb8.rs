@@ -1,9 +1,9 @@
 //! 8-bit red, green, blue.
 
-use tectum_tables::Segments;
+use tectum_tables::{Ramp, Segments};
 
 use super::{Kernel, PixelFormat};
-use crate::kernel::{Position, Sink, Source, bilinear, walk};
+use crate::kernel::{Position, Source, bilinear, blend, walk};
 
 /// Three bytes to a pixel: red, green, blue (or any other order: channels are treated alike).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,24 +24,34 @@ impl Kernel for Rgb8 {
     }
 
     #[inline(never)]
-    fn span<P: Position, S: Sink>(
-        source: Source<'_>,
-        segments: Segments<'_>,
-        mut sink: S,
-        row: &mut [u8],
-        start: usize,
-    ) {
+    fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
         walk::<P, 3>(source, segments, row, start, |pixel, spot, fraction_q8| {
             for (channel, out) in pixel.iter_mut().enumerate() {
                 let spot = spot.moved(channel as i32, 0, 1);
-                let new = if P::INTERPOLATES {
-                    bilinear(spot.box_2x2(3), fraction_q8)
+                *out = if P::INTERPOLATES {
+                    bilinear(spot.box_2x2(3), fraction_q8) as u8
                 } else {
-                    spot.byte(0)
+                    spot.byte(0) as u8
                 };
-                *out = sink.mix(u32::from(*out), new) as u8;
             }
-            sink.step();
         });
+    }
+
+    #[inline]
+    fn blend(row: &mut [u8], right: &[u8], start: usize, len: usize, ramp: &mut Ramp) {
+        let out = row
+            .get_mut(3 * start..3 * (start + len))
+            .unwrap_or_default();
+        for (out, right) in out
+            .as_chunks_mut::<3>()
+            .0
+            .iter_mut()
+            .zip(right.as_chunks::<3>().0)
+        {
+            for (out, right) in out.iter_mut().zip(right) {
+                *out = blend(u32::from(*out), u32::from(*right), ramp.left_weight()) as u8;
+            }
+            ramp.step();
+        }
     }
 }

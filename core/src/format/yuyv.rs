@@ -1,9 +1,9 @@
 //! 4:2:2 luma and chroma, as most USB and parallel cameras send it.
 
-use tectum_tables::{Offset, Segment, Segments};
+use tectum_tables::{Ramp, Segment, Segments};
 
 use super::{Kernel, PixelFormat};
-use crate::kernel::{Position, Sink, Source, bilinear, offsets};
+use crate::kernel::{Position, Source, bilinear, blend};
 
 /// Four bytes to a pair of pixels: Y0 U Y1 V, chroma sited on the even pixel (as in MPEG-2 and
 /// UVC). Luma is sampled for every pixel; the chroma of a pair is sampled where its even pixel
@@ -61,67 +61,85 @@ fn chroma<P: Position>(source: &Source<'_>, at: At) -> [u32; 2] {
     })
 }
 
+/// Calls `pixel` for columns `start..start + len` of a row with the column's pair of pixels and
+/// whether it is the pair's even one.
+#[inline(always)]
+fn pixels(row: &mut [u8], start: usize, len: usize, mut pixel: impl FnMut(&mut [u8; 4], bool)) {
+    let end = start + len;
+    let pairs = row
+        .get_mut(start / 2 * 4..end.div_ceil(2) * 4)
+        .unwrap_or_default();
+    let mut column = start / 2 * 2;
+    for pair in pairs.as_chunks_mut().0 {
+        if column >= start {
+            pixel(pair, true);
+        }
+        if column + 1 < end {
+            pixel(pair, false);
+        }
+        column += 2;
+    }
+}
+
 #[allow(private_bounds, private_interfaces)]
 impl Kernel for Yuyv {
     #[inline]
     fn fill(row: &mut [u8], start: usize, len: usize) {
-        for column in start..start + len {
-            let pair = row
-                .get_mut(column / 2 * 4..)
-                .and_then(|bytes| bytes.first_chunk_mut());
-            match pair {
-                Some([y0, u, _, v]) if column % 2 == 0 => {
-                    (*y0, *u, *v) = (0, NEUTRAL, NEUTRAL);
-                }
-                Some([_, _, y1, _]) => *y1 = 0,
-                None => return,
+        pixels(row, start, len, |[y0, u, y1, v], even| {
+            if even {
+                (*y0, *u, *v) = (0, NEUTRAL, NEUTRAL);
+            } else {
+                *y1 = 0;
             }
-        }
+        });
     }
 
     #[inline(never)]
-    fn span<P: Position, S: Sink>(
-        source: Source<'_>,
-        segments: Segments<'_>,
-        mut sink: S,
-        row: &mut [u8],
-        start: usize,
-    ) {
+    fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
         let mut column = start;
         for segment in segments {
             let Segment { len, mut x, mut y } = P::prepare(segment);
-            let end = column + len as usize;
-            let pairs = row
-                .get_mut(column / 2 * 4..end.div_ceil(2) * 4)
-                .unwrap_or_default();
-            let mut next = |x: Offset, base_x: i32| {
-                let offset_y = y.offset();
+            pixels(row, column, len as usize, |[y0, u, y1, v], even| {
+                let (offset_x, offset_y) = (x.offset(), y.offset());
+                let at = At {
+                    px: [x.base_px() + offset_x.px(), y.base_px() + offset_y.px()],
+                    fraction_q8: [offset_x.fraction_q8(), offset_y.fraction_q8()],
+                };
+                x.step();
                 y.step();
-                At {
-                    px: [base_x + x.px(), y.base_px() + offset_y.px()],
-                    fraction_q8: [x.fraction_q8(), offset_y.fraction_q8()],
+                if even {
+                    *y0 = luma::<P>(&source, at) as u8;
+                    [*u, *v] = chroma::<P>(&source, at).map(|c| c as u8);
+                } else {
+                    *y1 = luma::<P>(&source, at) as u8;
                 }
-            };
-            for [y0, u, y1, v] in pairs.as_chunks_mut().0 {
-                if column.is_multiple_of(2) {
-                    let [offset_x] = offsets(&mut x);
-                    let at = next(offset_x, x.base_px());
-                    *y0 = sink.mix(u32::from(*y0), luma::<P>(&source, at)) as u8;
-                    let [new_u, new_v] = chroma::<P>(&source, at);
-                    *u = sink.mix(u32::from(*u), new_u) as u8;
-                    *v = sink.mix(u32::from(*v), new_v) as u8;
-                    sink.step();
-                    column += 1;
-                    if column == end {
-                        break;
-                    }
-                }
-                let [offset_x] = offsets(&mut x);
-                let at = next(offset_x, x.base_px());
-                *y1 = sink.mix(u32::from(*y1), luma::<P>(&source, at)) as u8;
-                sink.step();
-                column += 1;
-            }
+            });
+            column += len as usize;
         }
+    }
+
+    #[inline]
+    fn blend(row: &mut [u8], right: &[u8], start: usize, len: usize, ramp: &mut Ramp) {
+        let mut right = right.as_chunks::<4>().0.iter();
+        let mut last = None;
+        pixels(row, start, len, |[y0, u, y1, v], even| {
+            if even || last.is_none() {
+                last = right.next();
+            }
+            let Some([right_y0, right_u, right_y1, right_v]) = last else {
+                return;
+            };
+            let mix = |out: &mut u8, right: &u8| {
+                *out = blend(u32::from(*out), u32::from(*right), ramp.left_weight()) as u8;
+            };
+            if even {
+                mix(y0, right_y0);
+                mix(u, right_u);
+                mix(v, right_v);
+            } else {
+                mix(y1, right_y1);
+            }
+            ramp.step();
+        });
     }
 }

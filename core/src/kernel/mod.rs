@@ -3,10 +3,8 @@
 
 mod arithmetic;
 mod position;
-mod sink;
 mod source;
 
-pub(crate) use arithmetic::bilinear;
-pub(crate) use position::{Bilinear, Nearest, Position, offsets, walk};
-pub(crate) use sink::{Blend, Sink, Write};
+pub(crate) use arithmetic::{bilinear, blend};
+pub(crate) use position::{Bilinear, Nearest, Position, walk};
 pub(crate) use source::{Source, Spot};

@@ -51,7 +51,7 @@ const BLOCK: usize = 8;
 /// Stepping both axes and sampling in one loop needs more registers than a Cortex-M has; one axis
 /// at a time through a small array costs a store and a load a pixel instead of a dozen spills.
 #[inline(always)]
-pub(crate) fn offsets<const N: usize>(axis: &mut Axis) -> [Offset; N] {
+fn offsets<const N: usize>(axis: &mut Axis) -> [Offset; N] {
     core::array::from_fn(|_| {
         let offset = axis.offset();
         axis.step();
