@@ -1,0 +1,66 @@
+//! Pictures in and out (PNG, JPEG, PNM).
+
+use std::io::Cursor;
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use image::{DynamicImage, ImageFormat, ImageReader, RgbImage};
+
+use crate::files;
+
+/// Reads a picture as 8-bit RGB.
+pub fn load(path: &Path) -> anyhow::Result<RgbImage> {
+    let bytes = files::read(path)?;
+    let decoded = ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(anyhow::Error::from)
+        .and_then(|reader| Ok(reader.decode()?));
+    let picture =
+        decoded.with_context(|| format!("{}: not a sound PNG, JPEG or PNM", path.display()))?;
+    Ok(picture.into_rgb8())
+}
+
+/// Refuses a picture that is not `needed` px.
+pub fn check_size(
+    picture: &RgbImage,
+    path: &Path,
+    needed: [u16; 2],
+    what_for: &str,
+) -> anyhow::Result<()> {
+    let ([w, h], (width, height)) = (needed.map(u32::from), picture.dimensions());
+    if (width, height) != (w, h) {
+        bail!(
+            "{}: the picture is {width}x{height} px, {what_for} needs {w}x{h} px: give a picture of \
+             that camera, or bake a table for this size",
+            path.display()
+        );
+    }
+    Ok(())
+}
+
+/// Format of an output file by its name.
+pub fn format_of(path: &Path) -> anyhow::Result<ImageFormat> {
+    match ImageFormat::from_path(path) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Pnm)) => Ok(format),
+        _ => bail!(
+            "{}: the name must end in .png, .jpg, .ppm or .pgm",
+            path.display()
+        ),
+    }
+}
+
+/// Writes a picture in the format that its name says.
+pub fn save(path: &Path, picture: impl Into<DynamicImage>) -> anyhow::Result<()> {
+    let format = format_of(path)?;
+    let mut bytes = Cursor::new(Vec::new());
+    picture
+        .into()
+        .write_to(&mut bytes, format)
+        .with_context(|| format!("{}: cannot be encoded", path.display()))?;
+    files::write(path, bytes.get_ref())
+}
+
+/// An RGB picture from its bytes.
+pub fn rgb(width: u32, height: u32, bytes: Vec<u8>) -> anyhow::Result<RgbImage> {
+    RgbImage::from_raw(width, height, bytes).context("a picture of the wrong length: a bug")
+}

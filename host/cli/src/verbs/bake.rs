@@ -1,0 +1,124 @@
+//! `tectum bake`: a rig to a table, with its cost sheet.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+use tectum_bake::{BakeOptions, Baked, Format, bake};
+use tectum_optics::Rig;
+
+use crate::args::OutputArgs;
+use crate::report::{Report, max_rms};
+use crate::{files, instructions};
+
+/// A rig to a table, with its cost sheet
+#[derive(clap::Args)]
+#[command(after_help = "EXAMPLES:\n  \
+    tectum bake rig.toml -o fish.tct\n  \
+    tectum bake rig.toml -o gimbal.tct --projection perspective --yaw 30 --pitch -10 --fov 70\n  \
+    tectum bake rig.toml -o large.tct --size 1280x640 --max-error 0.035 --json")]
+pub struct Args {
+    /// Rig file
+    rig: PathBuf,
+    /// Table to write
+    #[arg(short, long, value_name = "T.tct")]
+    output: PathBuf,
+    #[command(flatten)]
+    picture: OutputArgs,
+    /// Greatest error of a source position, px
+    #[arg(long, value_name = "PX", default_value_t = 0.05)]
+    max_error: f64,
+    /// Width of the transition between the eyes, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 4.0)]
+    feather: f64,
+}
+
+/// Bakes and writes.
+pub fn run(args: &Args) -> anyhow::Result<Report> {
+    let rig = Rig::load(&args.rig)?;
+    let options = BakeOptions {
+        output: args.picture.output_map(&rig)?,
+        max_error_px: args.max_error,
+        feather_rad: args.feather.to_radians(),
+    };
+    let baked = bake(&rig, &options)?;
+    files::write(&args.output, &baked.bytes)?;
+    let [width, height] = options.output.size_px;
+    let text = format!(
+        "{}: {width}x{height} px from rig {:?}\n{}",
+        args.output.display(),
+        rig.name,
+        cost_sheet(&baked, &rig, width)
+    );
+    Ok(Report::new(text, cost_json(&baked, &args.output)))
+}
+
+/// The cost sheet for a person.
+fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
+    let report = &baked.report;
+    let bytes = &report.bytes;
+    let pixels = &report.pixels;
+    let all = pixels.void + pixels.left + pixels.right + pixels.blend;
+    let share = |n: usize| 100.0 * n as f64 / all as f64;
+    let mut text = format!(
+        "flash   {} bytes: left mesh {}, right mesh {}, runs {}, other {}\n\
+         mesh    a vertex every {} px\n\
+         error   {} (source position against the camera model)\n\
+         pixels  left {:.1} %, right {:.1} %, blend {:.1} %, void {:.1} %\n\n\
+         format   RAM, both frames   one eye at a time   output row   M7 instructions a picture*\n",
+        bytes.total,
+        bytes.mesh_left,
+        bytes.mesh_right,
+        bytes.runs,
+        bytes.other,
+        step(report.step),
+        max_rms(&report.coordinate_error_px, "px"),
+        share(pixels.left),
+        share(pixels.right),
+        share(pixels.blend),
+        share(pixels.void),
+    );
+    let frames = [&rig.left, &rig.right].map(|eye| {
+        eye.as_ref().map_or(0, |eye| {
+            eye.eye
+                .size_px
+                .iter()
+                .map(|px| usize::from(*px))
+                .product::<usize>()
+        })
+    });
+    for format in Format::ALL.into_iter().filter(|f| f.holds_width(width)) {
+        let depth = format.bytes_per_pixel();
+        let instructions = instructions::of_picture(format, pixels)
+            .map_or("not counted".into(), |n| format!("{:.1} million", n / 1e6));
+        let _ = writeln!(
+            text,
+            "{:<8} {:>16}   {:>17}   {:>10}   {instructions:>23}",
+            format.name(),
+            depth * (frames[0] + frames[1]),
+            depth * (frames[0].max(frames[1]) + all),
+            depth * usize::from(width),
+        );
+    }
+    text += "* estimate: pixels by owner times instructions counted on an emulated Cortex-M7";
+    text
+}
+
+fn step([left, right]: [Option<u32>; 2]) -> Value {
+    match (left, right) {
+        (Some(left), Some(right)) if left != right => json!([left, right]),
+        (left, right) => json!(left.or(right)),
+    }
+}
+
+/// The cost sheet for a script.
+fn cost_json(baked: &Baked, table: &Path) -> Value {
+    let report = &baked.report;
+    json!({
+        "table": table.display().to_string(),
+        "bytes": report.bytes,
+        "step": step(report.step),
+        "coordinate_error_px": report.coordinate_error_px,
+        "pixels": report.pixels,
+    })
+}

@@ -1,0 +1,276 @@
+//! `tectum inspect`: what is in a table or a rig.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+use image::RgbImage;
+use serde_json::{Value, json};
+use tectum_bake::output_map;
+use tectum_core::Eye;
+use tectum_optics::convention::yaw_pitch;
+use tectum_optics::{Rig, RigEye};
+use tectum_tables::{Mesh, RunKind, Tables};
+
+use crate::areas::{self, Area};
+use crate::report::{Report, Usage};
+use crate::{draw, files, pictures};
+
+/// What is in a table or a rig
+#[derive(clap::Args)]
+#[command(after_help = "EXAMPLES:\n  \
+    tectum inspect fish.tct\n  \
+    tectum inspect fish.tct --pictures out    draws out/ownership.png, out/mesh-left.png, ...\n  \
+    tectum inspect rig.toml --json")]
+pub struct Args {
+    /// Table (.tct) or rig (.toml)
+    file: PathBuf,
+    /// Folder for pictures of a table: who owns which pixel, and both meshes
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+}
+
+/// Inspects.
+pub fn run(args: &Args) -> anyhow::Result<Report> {
+    let bytes = files::read(&args.file)?;
+    let is_toml = args
+        .file
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    if is_toml {
+        if args.pictures.is_some() {
+            return Err(Usage("--pictures goes with a table, not with a rig".into()).into());
+        }
+        return rig(&Rig::load(&args.file)?, &args.file);
+    }
+    let tables = files::table(&bytes, &args.file)?;
+    if let Some(folder) = &args.pictures {
+        draw_pictures(&tables, folder)?;
+    }
+    Ok(table(&tables, &args.file))
+}
+
+fn table(tables: &Tables<'_>, file: &Path) -> Report {
+    let [width, height] = [tables.output_width_px(), tables.output_height_px()];
+    let map = output_map(tables);
+    let rig: String = tables
+        .rig_fingerprint()
+        .iter()
+        .map(|b| format!("{b:02x}"))
+        .collect();
+    let mut text = format!(
+        "{}: table, {} bytes, checksum good, proven safe to run\n\
+         output  {width}x{height} px, {:?}\nrig     {rig}\n",
+        file.display(),
+        tables.length_bytes(),
+        map.formula
+    );
+    let mut meshes = Vec::new();
+    for eye in Eye::BOTH {
+        let Some(mesh) = tables.mesh(eye) else {
+            continue;
+        };
+        let [w, h] = mesh.source_size_px();
+        let [columns, rows] = mesh.cells();
+        let _ = writeln!(
+            text,
+            "{:<7} from {w}x{h} px; {columns}x{rows} cells of {} px, {} vertices in 1/{} px{}",
+            format!("{eye:?}").to_lowercase(),
+            mesh.step(),
+            mesh.vertices().len(),
+            1 << mesh.fraction_bits(),
+            if tables.eye_rays(eye).is_some() {
+                "; directions of raw pixels"
+            } else {
+                ""
+            },
+        );
+        meshes.push(json!({
+            "eye": format!("{eye:?}").to_lowercase(),
+            "source_px": [w, h],
+            "step": mesh.step(),
+            "cells": [columns, rows],
+            "vertices": mesh.vertices().len(),
+            "fraction_bits": mesh.fraction_bits(),
+            "has_rays": tables.eye_rays(eye).is_some(),
+        }));
+    }
+    let runs = run_statistics(tables);
+    let _ = writeln!(text, "runs    {} bytes", tables.runs_bytes());
+    let _ = writeln!(text, "        kind    runs    pixels   shortest   longest");
+    for run in &runs {
+        let _ = writeln!(
+            text,
+            "        {:<6} {:>5} {:>9} {:>10} {:>9}",
+            run.kind, run.runs, run.pixels, run.shortest_px, run.longest_px
+        );
+    }
+    for line in tables.metadata().lines() {
+        let _ = writeln!(text, "meta    {line}");
+    }
+    let json = json!({
+        "kind": "table",
+        "bytes": tables.length_bytes(),
+        "output_px": [width, height],
+        "formula": format!("{:?}", map.formula).to_lowercase(),
+        "rig_fingerprint": rig,
+        "meshes": meshes,
+        "runs_bytes": tables.runs_bytes(),
+        "runs": runs,
+        "metadata": tables.metadata(),
+    });
+    Report::new(text, json)
+}
+
+#[derive(serde::Serialize)]
+struct RunStatistics {
+    kind: &'static str,
+    runs: usize,
+    pixels: u64,
+    shortest_px: u32,
+    longest_px: u32,
+}
+
+fn run_statistics(tables: &Tables<'_>) -> Vec<RunStatistics> {
+    let name = |kind| match kind {
+        RunKind::Void => "void",
+        RunKind::Left => "left",
+        RunKind::Right => "right",
+        RunKind::Blend(_) => "blend",
+    };
+    let statistics = |kind| {
+        let lengths: Vec<u32> = (0..tables.output_height_px())
+            .flat_map(|y| tables.runs(y))
+            .filter(|run| name(run.kind) == kind)
+            .map(|run| run.len)
+            .collect();
+        RunStatistics {
+            kind,
+            runs: lengths.len(),
+            pixels: lengths.iter().copied().map(u64::from).sum(),
+            shortest_px: lengths.iter().copied().min().unwrap_or(0),
+            longest_px: lengths.iter().copied().max().unwrap_or(0),
+        }
+    };
+    ["void", "left", "right", "blend"].map(statistics).into()
+}
+
+fn draw_pictures(tables: &Tables<'_>, folder: &Path) -> anyhow::Result<()> {
+    let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
+    let backdrop = RgbImage::from_pixel(width, height, image::Rgb([200; 3]));
+    let legend = [
+        (Area::Left, "left eye".into()),
+        (Area::Right, "right eye".into()),
+        (Area::Both, "blend".into()),
+        (Area::None, "void".into()),
+    ];
+    let ownership = areas::picture(&backdrop, &areas::of_runs(tables), &legend);
+    pictures::save(&folder.join("ownership.png"), ownership)?;
+    for (eye, name, colour) in [
+        (Eye::Left, "mesh-left.png", draw::LEFT),
+        (Eye::Right, "mesh-right.png", draw::RIGHT),
+    ] {
+        if let Some(mesh) = tables.mesh(eye) {
+            pictures::save(&folder.join(name), draw_mesh(mesh, colour))?;
+        }
+    }
+    Ok(())
+}
+
+/// The mesh in the source frame: lines between neighbouring vertices, the apron paler.
+fn draw_mesh(mesh: &Mesh<'_>, colour: draw::Colour) -> RgbImage {
+    let [width, height] = mesh.source_size_px().map(u32::from);
+    let mut picture = RgbImage::from_pixel(width, height, image::Rgb([18, 18, 22]));
+    let columns = mesh.vertices_per_row();
+    let rows = mesh.vertices().len() / columns;
+    let scale = f64::from(1 << mesh.fraction_bits());
+    let at = |column: usize, row: usize| {
+        let xy = mesh.vertices()[row * columns + column].xy();
+        [0, 1].map(|i| f64::from(mesh.origin_px()[i]) + f64::from(xy[i]) / scale)
+    };
+    let is_apron = |i: usize, n: usize| i == 0 || i + 2 > n - 1;
+    for row in 0..rows {
+        for column in 0..columns {
+            let edge = is_apron(row, rows) || is_apron(column, columns);
+            let alpha = if edge { 0.3 } else { 0.9 };
+            if column + 1 < columns {
+                draw::line(
+                    &mut picture,
+                    at(column, row),
+                    at(column + 1, row),
+                    colour,
+                    alpha,
+                );
+            }
+            if row + 1 < rows {
+                draw::line(
+                    &mut picture,
+                    at(column, row),
+                    at(column, row + 1),
+                    colour,
+                    alpha,
+                );
+            }
+        }
+    }
+    picture
+}
+
+fn rig(rig: &Rig, file: &Path) -> anyhow::Result<Report> {
+    let mut text = format!(
+        "{}: rig {:?}\nmedium  {:?}, calibrated in {:?}; stitched for {} m\n",
+        file.display(),
+        rig.name,
+        rig.medium,
+        rig.calibrated_in,
+        rig.stitch_distance_m
+    );
+    let mut eyes = Vec::new();
+    for (name, eye) in [("left", &rig.left), ("right", &rig.right)] {
+        if let Some(eye) = eye {
+            let (words, json) = eye_summary(name, eye);
+            text += &words;
+            eyes.push(json);
+        }
+    }
+    if eyes.is_empty() {
+        bail!("{}: no eye", file.display());
+    }
+    let json = json!({
+        "kind": "rig",
+        "name": rig.name,
+        "medium": rig.medium,
+        "calibrated_in": rig.calibrated_in,
+        // TOML knows an infinite distance, JSON does not.
+        "stitch_distance_m": rig.stitch_distance_m.is_finite().then_some(rig.stitch_distance_m),
+        "eyes": eyes,
+    });
+    Ok(Report::new(text, json))
+}
+
+fn eye_summary(name: &str, eye: &RigEye) -> (String, Value) {
+    let (yaw, pitch) = yaw_pitch(&eye.pose.optical_axis());
+    let [yaw, pitch] = [yaw, pitch].map(f64::to_degrees);
+    let halves = (0..360).map(|deg| eye.eye.half_angle_rad(f64::from(deg).to_radians()));
+    let (narrow, wide) = halves.fold((f64::MAX, 0.0f64), |(a, b), h| (a.min(h), b.max(h)));
+    let [narrow, wide] = [narrow, wide].map(|rad| rad.to_degrees());
+    let [w, h] = eye.eye.size_px;
+    let position_mm = [0, 1, 2].map(|i| eye.pose.position_m[i] * 1000.0);
+    let text = format!(
+        "{name:<7} {w}x{h} px, {} lens, {narrow:.1} to {wide:.1} deg off axis\n        \
+         axis at yaw {yaw:.2}, pitch {pitch:.2} deg; position {:.1}, {:.1}, {:.1} mm\n",
+        eye.eye.model.name(),
+        position_mm[0],
+        position_mm[1],
+        position_mm[2],
+    );
+    let json = json!({
+        "eye": name,
+        "size_px": eye.eye.size_px,
+        "model": eye.eye.model.name(),
+        "half_angle_deg": { "min": narrow, "max": wide },
+        "axis_deg": { "yaw": yaw, "pitch": pitch },
+        "position_mm": position_mm,
+    });
+    (text, json)
+}

@@ -1,0 +1,144 @@
+//! `tectum simulate`: the pool as the eyes of a rig see it, with its truth.
+
+use std::path::{Path, PathBuf};
+
+use image::{ImageBuffer, Luma};
+use serde_json::json;
+use tectum_optics::Rig;
+use tectum_optics::convention::yaw_pitch;
+use tectum_scene::{RenderOptions, Rendered, Scene, Seen, Truth, Wall, camera, render};
+
+use crate::report::Report;
+use crate::{pictures, pool};
+
+/// The simulated pool as the eyes of a rig see it
+#[derive(clap::Args)]
+#[command(after_help = "EXAMPLES:\n  \
+    tectum simulate rig.toml -o pool\n  \
+    tectum simulate rig.toml -o pool --seed 7 --samples 4 --truth\n\n\
+    Writes left.png and right.png. With --truth also equirect.png (1024x512, what a perfect eye at\n\
+    the body's origin sees) and for each eye 16-bit PNGs, one value a pixel, seen from that eye:\n  \
+    left-yaw.png    32768 + yaw * 65536 / 360 degrees, body frame, positive to the left\n  \
+    left-pitch.png  32768 + pitch * 65536 / 360 degrees, up is negative\n  \
+    left-range.png  range in mm; 65535 for more and for infinity, 0 outside the lens's field\n  \
+    left-object.png 0 outside the field, 1 floor, 2 front, 3 back, 4 left, 5 right wall,\n                  \
+    6 water surface (Snell's window), 7 water surface (mirror), 8 hall,\n                  \
+    9 back of a print, 1000+k board, 2000+k marker, 3000+k solid")]
+pub struct Args {
+    /// Rig file
+    rig: PathBuf,
+    /// Folder to write to
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Seed of the sensor noise
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// Rays along each side of a pixel
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
+    samples: u32,
+    /// Write the truth of each pixel
+    #[arg(long)]
+    truth: bool,
+}
+
+/// Simulates.
+pub fn run(args: &Args) -> anyhow::Result<Report> {
+    let rig = Rig::load(&args.rig)?;
+    let scene = Scene::new(&pool::furnished(&rig))?;
+    let eyes = pool::both_eyes(&scene, &rig, args.seed, args.samples)?;
+    let mut written = Vec::new();
+    for (eye, name) in eyes.iter().zip(["left", "right"]) {
+        let Some(eye) = eye else {
+            continue;
+        };
+        write_picture(&args.output, &format!("{name}.png"), eye, &mut written)?;
+        if args.truth {
+            write_truth(&args.output, name, eye, &mut written)?;
+        }
+    }
+    if args.truth {
+        let sphere = camera::equirect(1024, 512, camera::Pose::default());
+        let options = RenderOptions {
+            samples_per_side: args.samples,
+            ..RenderOptions::default()
+        };
+        let ideal = render(&scene, 1024, 512, &sphere, &options)?;
+        write_picture(&args.output, "equirect.png", &ideal, &mut written)?;
+    }
+    let text = format!("{}: {}", args.output.display(), written.join(", "));
+    Ok(Report::new(
+        text,
+        json!({ "folder": args.output, "files": written }),
+    ))
+}
+
+fn write_picture(
+    folder: &Path,
+    name: &str,
+    rendered: &Rendered,
+    written: &mut Vec<String>,
+) -> anyhow::Result<()> {
+    let picture = pictures::rgb(rendered.width, rendered.height, rendered.rgb.clone())?;
+    pictures::save(&folder.join(name), picture)?;
+    written.push(name.into());
+    Ok(())
+}
+
+/// One quantity of the truth as 16 bits.
+type Quantity = fn(&Truth) -> u16;
+
+fn write_truth(
+    folder: &Path,
+    eye: &str,
+    rendered: &Rendered,
+    written: &mut Vec<String>,
+) -> anyhow::Result<()> {
+    let quantities: [(&str, Quantity); 4] = [
+        ("yaw", |truth| angle_code(angles(truth).0)),
+        ("pitch", |truth| angle_code(angles(truth).1)),
+        ("range", |truth| (truth.range_m * 1000.0).round() as u16),
+        ("object", |truth| object_code(truth.seen)),
+    ];
+    for (quantity, code) in quantities {
+        let values: Vec<u16> = rendered
+            .truth
+            .iter()
+            .map(|truth| truth.as_ref().map_or(0, code))
+            .collect();
+        let picture =
+            ImageBuffer::<Luma<u16>, _>::from_raw(rendered.width, rendered.height, values)
+                .ok_or_else(|| anyhow::anyhow!("truth of the wrong length: a bug"))?;
+        let name = format!("{eye}-{quantity}.png");
+        pictures::save(&folder.join(&name), picture)?;
+        written.push(name);
+    }
+    Ok(())
+}
+
+fn angles(truth: &Truth) -> (f64, f64) {
+    yaw_pitch(&nalgebra::Vector3::from(truth.direction))
+}
+
+fn angle_code(rad: f64) -> u16 {
+    let units = (rad / std::f64::consts::TAU * 65536.0).round() as i32;
+    // Straight back is both ends of the scale.
+    (units + 32768).rem_euclid(65536) as u16
+}
+
+fn object_code(seen: Seen) -> u16 {
+    let indexed = |base: u16, k: usize| base + k.min(999) as u16;
+    match seen {
+        Seen::Floor => 1,
+        Seen::Wall(Wall::Front) => 2,
+        Seen::Wall(Wall::Back) => 3,
+        Seen::Wall(Wall::Left) => 4,
+        Seen::Wall(Wall::Right) => 5,
+        Seen::Window => 6,
+        Seen::Mirror => 7,
+        Seen::Hall => 8,
+        Seen::Backing => 9,
+        Seen::Board(k) => indexed(1000, k),
+        Seen::Marker(k) => indexed(2000, k),
+        Seen::Solid(k) => indexed(3000, k),
+    }
+}

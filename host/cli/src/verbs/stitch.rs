@@ -1,0 +1,127 @@
+//! `tectum stitch`: pictures of both eyes to one.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Context;
+use clap::ValueEnum;
+use image::{DynamicImage, GrayImage};
+use serde_json::json;
+use tectum_bake::convert::{from_rgb8, to_rgb8};
+use tectum_bake::{Format, Pair, Pass, output_map, stitch};
+use tectum_core::Sampler;
+
+use crate::frames::Frames;
+use crate::report::Report;
+use crate::{files, pictures, scales};
+
+/// Pictures of both eyes to one, as the fish does it
+#[derive(clap::Args)]
+#[command(after_help = "EXAMPLES:\n  \
+    tectum stitch fish.tct --left l.png --right r.png -o out.png --scales\n  \
+    tectum stitch gear.tct --picture both-eyes.jpg -o sphere.png\n  \
+    tectum stitch fish.tct --left l.png --right r.png -o out.png --format yuyv --json\n\n\
+    `seconds` in the JSON is the core's time, without files and conversions.")]
+pub struct Args {
+    /// Table
+    table: PathBuf,
+    /// Picture of the left eye (PNG, JPEG, PNM)
+    #[arg(long, value_name = "A", required_unless_present = "picture")]
+    left: Option<PathBuf>,
+    /// Picture of the right eye; may be the same file
+    #[arg(long, value_name = "B")]
+    right: Option<PathBuf>,
+    /// One picture that holds both eyes
+    #[arg(long, value_name = "A", conflicts_with_all = ["left", "right"])]
+    picture: Option<PathBuf>,
+    /// Picture to write (.png, .jpg, .ppm)
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+    /// Draw lines of equal yaw and pitch every 30 degrees
+    #[arg(long)]
+    scales: bool,
+    /// Pixel format that the core works in
+    #[arg(long, value_enum, default_value_t = FormatName::Rgb8)]
+    format: FormatName,
+    /// How source pixels are read
+    #[arg(long, value_enum, default_value_t = SamplerName::Bilinear)]
+    sampler: SamplerName,
+    /// Run as on a machine with memory for a single frame: the same bytes
+    #[arg(long)]
+    one_eye_at_a_time: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum FormatName {
+    /// 8-bit luma
+    Gray8,
+    /// 5, 6, 5 bits of red, green, blue
+    Rgb565,
+    /// Luma for each pixel, chroma for each pair
+    Yuyv,
+    /// 8 bits of red, green, blue
+    Rgb8,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SamplerName {
+    /// The nearest pixel
+    Nearest,
+    /// The four nearest pixels, weighted
+    Bilinear,
+}
+
+/// Stitches and writes.
+pub fn run(args: &Args) -> anyhow::Result<Report> {
+    pictures::format_of(&args.output)?;
+    let bytes = files::read(&args.table)?;
+    let tables = files::table(&bytes, &args.table)?;
+    let both = args.picture.as_deref();
+    let [left, right] = [&args.left, &args.right].map(|path| path.as_deref().or(both));
+    let frames = Frames::load(&tables, left, right)?;
+    let format = match args.format {
+        FormatName::Gray8 => Format::Gray8,
+        FormatName::Rgb565 => Format::Rgb565,
+        FormatName::Yuyv => Format::Yuyv,
+        FormatName::Rgb8 => Format::Rgb8,
+    };
+    let sampler = match args.sampler {
+        SamplerName::Nearest => Sampler::Nearest,
+        SamplerName::Bilinear => Sampler::Bilinear,
+    };
+    let pass = if args.one_eye_at_a_time {
+        Pass::OneEyeAtATime
+    } else {
+        Pass::Both
+    };
+    let [left, right] = [&frames.left, &frames.right].map(|rgb| from_rgb8(format, rgb));
+    let pair = Pair {
+        left: &left,
+        right: &right,
+    };
+    let start = Instant::now();
+    let stitched = stitch(&tables, format, sampler, pass, pair)
+        .with_context(|| args.table.display().to_string())?;
+    let seconds = start.elapsed().as_secs_f64();
+
+    let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
+    let picture = if format == Format::Gray8 && !args.scales {
+        let gray = GrayImage::from_raw(width, height, stitched);
+        DynamicImage::from(gray.context("a picture of the wrong length: a bug")?)
+    } else {
+        let mut picture = pictures::rgb(width, height, to_rgb8(format, &stitched))?;
+        if args.scales {
+            scales::draw(&mut picture, &output_map(&tables));
+        }
+        DynamicImage::from(picture)
+    };
+    pictures::save(&args.output, picture)?;
+    Ok(Report::new(
+        format!(
+            "{}: {width}x{height} px, stitched in {:.2} ms",
+            args.output.display(),
+            seconds * 1e3
+        ),
+        json!({ "picture": args.output, "width": width, "height": height, "seconds": seconds }),
+    ))
+}
