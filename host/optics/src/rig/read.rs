@@ -4,9 +4,8 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::file::{BodyDirection, EyeFile, LensFile, MountFile, PoseFile, ReferenceFile, RigFile};
 use super::{Rig, RigError, RigEye};
-use crate::camera::{
-    CameraModel, DoubleSphere, Equidistant, Eucm, KannalaBrandt, Ocam, ParameterError,
-};
+use crate::camera::{CameraModel, DoubleSphere, Equidistant, Eucm, KannalaBrandt, ParameterError};
+use crate::io::ocam_calib::OcamCalib;
 use crate::pose::rotation_vector;
 use crate::{Eye, Field, Pose, Side};
 
@@ -280,14 +279,17 @@ fn lens(lens: &LensFile, size_px: [u16; 2]) -> Result<CameraModel, ParameterErro
         } => CameraModel::Equidistant(Equidistant::new(*focal_px_per_rad, *centre_px)?),
         LensFile::Ocam {
             direct,
-            centre_row_column: [row, column],
+            centre_row_column,
             affine,
         } => {
-            let [width, height] = size_px.map(f64::from);
-            // The farthest corner bounds every radius that the frame can show.
-            let reach = libm::hypot(column.abs() + width, row.abs() + height);
-            let forward = direct.iter().map(|a| -a).collect();
-            CameraModel::Ocam(Ocam::new(forward, [*column, *row], *affine, reach)?)
+            let calib = OcamCalib {
+                polynomial: direct.clone(),
+                inverse_polynomial: Vec::new(),
+                centre_row_column_px: *centre_row_column,
+                affine: *affine,
+                size_px,
+            };
+            CameraModel::Ocam(calib.to_model(calib.farthest_corner_px())?)
         }
         LensFile::KannalaBrandt {
             focal_px,
