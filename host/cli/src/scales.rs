@@ -15,7 +15,7 @@ const SPACING_DEG: i32 = 30;
 /// Beyond this pitch only the yaw lines of the axes are drawn: the others run together.
 const CROWDED_DEG: f64 = 75.0;
 
-const YAW: Colour = [120, 240, 255];
+const YAW: Colour = [255, 255, 255];
 const PITCH: Colour = [255, 226, 110];
 
 /// Draws scales on a picture of `map`'s size.

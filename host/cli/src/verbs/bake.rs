@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use anyhow::bail;
 use serde_json::{Value, json};
 use tectum_bake::{BakeOptions, Baked, Format, bake};
 use tectum_optics::Rig;
@@ -10,6 +11,9 @@ use tectum_optics::Rig;
 use crate::args::OutputArgs;
 use crate::report::{Report, max_rms};
 use crate::{files, instructions};
+
+/// Memory that baking takes for each output pixel, measured at 1280x640 and 2560x1280.
+const BYTES_PER_PIXEL: usize = 135;
 
 /// A rig to a table, with its cost sheet
 #[derive(clap::Args)]
@@ -41,6 +45,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         max_error_px: args.max_error,
         feather_rad: args.feather.to_radians(),
     };
+    check_memory(options.output.size_px)?;
     let baked = bake(&rig, &options)?;
     files::write(&args.output, &baked.bytes)?;
     let [width, height] = options.output.size_px;
@@ -51,6 +56,20 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         cost_sheet(&baked, &rig, width)
     );
     Ok(Report::new(text, cost_json(&baked, &args.output)))
+}
+
+/// Refuses an output that this machine cannot bake, before the system ends the program for it.
+fn check_memory(size_px: [u16; 2]) -> anyhow::Result<()> {
+    let [width, height] = size_px.map(usize::from);
+    let needed = width * height * BYTES_PER_PIXEL;
+    if Vec::<u8>::new().try_reserve_exact(needed).is_err() {
+        bail!(
+            "--size {width}x{height}: baking it needs about {:.1} GB of memory, which this machine \
+             does not give. Ask for a smaller picture",
+            needed as f64 / 1e9
+        );
+    }
+    Ok(())
 }
 
 /// The cost sheet for a person.
@@ -65,7 +84,7 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
          mesh    a vertex every {} px\n\
          error   {} (source position against the camera model)\n\
          pixels  left {:.1} %, right {:.1} %, blend {:.1} %, void {:.1} %\n\n\
-         format   RAM, both frames   one eye at a time   output row   M7 instructions a picture*\n",
+         format   RAM: both frames   one frame, output   output row   M7 instructions a picture*\n",
         bytes.total,
         bytes.mesh_left,
         bytes.mesh_right,

@@ -1,5 +1,6 @@
 //! `tectum inspect`: what is in a table or a rig.
 
+use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -164,52 +165,54 @@ fn draw_pictures(tables: &Tables<'_>, folder: &Path) -> anyhow::Result<()> {
         (Area::Both, "blend".into()),
         (Area::None, "void".into()),
     ];
-    let ownership = areas::picture(&backdrop, &areas::of_runs(tables), &legend);
+    let areas = areas::of_runs(tables);
+    let ownership = areas::picture(&backdrop, &areas, &legend);
     pictures::save(&folder.join("ownership.png"), ownership)?;
-    for (eye, name, colour) in [
-        (Eye::Left, "mesh-left.png", draw::LEFT),
-        (Eye::Right, "mesh-right.png", draw::RIGHT),
+    for (eye, name, shown, colour) in [
+        (Eye::Left, "mesh-left.png", Area::Left, draw::LEFT),
+        (Eye::Right, "mesh-right.png", Area::Right, draw::RIGHT),
     ] {
         if let Some(mesh) = tables.mesh(eye) {
-            pictures::save(&folder.join(name), draw_mesh(mesh, colour))?;
+            let picture = draw_mesh(mesh, &areas, width as usize, shown, colour);
+            pictures::save(&folder.join(name), picture)?;
         }
     }
     Ok(())
 }
 
-/// The mesh in the source frame: lines between neighbouring vertices, the apron paler.
-fn draw_mesh(mesh: &Mesh<'_>, colour: draw::Colour) -> RgbImage {
+/// The cells that hold pixels of the eye, in the source frame; `areas` says who is shown where.
+fn draw_mesh(
+    mesh: &Mesh<'_>,
+    areas: &[Area],
+    width_px: usize,
+    shown: Area,
+    colour: draw::Colour,
+) -> RgbImage {
     let [width, height] = mesh.source_size_px().map(u32::from);
     let mut picture = RgbImage::from_pixel(width, height, image::Rgb([18, 18, 22]));
-    let columns = mesh.vertices_per_row();
-    let rows = mesh.vertices().len() / columns;
     let scale = f64::from(1 << mesh.fraction_bits());
-    let at = |column: usize, row: usize| {
-        let xy = mesh.vertices()[row * columns + column].xy();
+    // Of the cells' own vertices; the apron is one more column and row before them.
+    let at = |[column, row]: [usize; 2]| {
+        let xy = mesh.vertices()[(row + 1) * mesh.vertices_per_row() + column + 1].xy();
         [0, 1].map(|i| f64::from(mesh.origin_px()[i]) + f64::from(xy[i]) / scale)
     };
-    let is_apron = |i: usize, n: usize| i == 0 || i + 2 > n - 1;
-    for row in 0..rows {
-        for column in 0..columns {
-            let edge = is_apron(row, rows) || is_apron(column, columns);
-            let alpha = if edge { 0.3 } else { 0.9 };
-            if column + 1 < columns {
-                draw::line(
-                    &mut picture,
-                    at(column, row),
-                    at(column + 1, row),
-                    colour,
-                    alpha,
-                );
-            }
-            if row + 1 < rows {
-                draw::line(
-                    &mut picture,
-                    at(column, row),
-                    at(column, row + 1),
-                    colour,
-                    alpha,
-                );
+    let step = mesh.step() as usize;
+    let [first_x, first_y] = mesh.first_cell().map(usize::from);
+    let mut drawn = HashSet::new();
+    for (i, area) in areas.iter().enumerate() {
+        if *area != shown && *area != Area::Both {
+            continue;
+        }
+        let column = i % width_px / step - first_x;
+        let row = i / width_px / step - first_y;
+        for (from, to) in [
+            ([column, row], [column + 1, row]),
+            ([column, row], [column, row + 1]),
+            ([column + 1, row], [column + 1, row + 1]),
+            ([column, row + 1], [column + 1, row + 1]),
+        ] {
+            if drawn.insert((from, to)) {
+                draw::line(&mut picture, at(from), at(to), colour, 0.9);
             }
         }
     }

@@ -16,9 +16,10 @@ use crate::{pictures, pool};
 #[command(after_help = "EXAMPLES:\n  \
     tectum simulate rig.toml -o pool\n  \
     tectum simulate rig.toml -o pool --seed 7 --samples 4 --truth\n\n\
+    The body is in the middle of a 12 x 8 x 2.4 m pool, its frame is the pool's.\n\
     Writes left.png and right.png. With --truth also equirect.png (1024x512, what a perfect eye at\n\
     the body's origin sees) and for each eye 16-bit PNGs, one value a pixel, seen from that eye:\n  \
-    left-yaw.png    32768 + yaw * 65536 / 360 degrees, body frame, positive to the left\n  \
+    left-yaw.png    32768 + yaw * 65536 / 360 degrees, body frame, positive to the left; 0 outside\n  \
     left-pitch.png  32768 + pitch * 65536 / 360 degrees, up is negative\n  \
     left-range.png  range in mm; 65535 for more and for infinity, 0 outside the lens's field\n  \
     left-object.png 0 outside the field, 1 floor, 2 front, 3 back, 4 left, 5 right wall,\n                  \

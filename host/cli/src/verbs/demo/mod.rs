@@ -22,9 +22,9 @@ use crate::report::Report;
 use crate::{files, pictures, pool, scales};
 
 /// The paper's fish with eyes of 480x480 px.
-const RIG: &str = include_str!("../../demo_rig.toml");
+const RIG: &str = include_str!("../../../../../tables/rigs/paper-fish.toml");
 /// The same with eyes of 960x960 px, for the larger picture.
-const LARGE_RIG: &str = include_str!("../../demo_rig_960.toml");
+const LARGE_RIG: &str = include_str!("../../../../../tables/rigs/paper-fish-960.toml");
 const LARGE_PX: [u16; 2] = [1280, 640];
 /// Width of the transition between the eyes, degrees.
 const FEATHER_DEG: f64 = 4.0;
@@ -179,6 +179,9 @@ fn large(scene: &Scene, folder: &mut Folder<'_>) -> anyhow::Result<Large> {
     let map = Projection::Equirect.output_map(LARGE_PX)?;
     let job = Job::new(&rig, &map, &pool::frames(&eyes), 0.035)?;
     folder.save("stitched-1280.png", &job.stitched)?;
+    let mut with_scales = job.stitched;
+    scales::draw(&mut with_scales, &map);
+    folder.save("stitched-1280-scales.png", &with_scales)?;
     Ok(Large {
         output_px: LARGE_PX,
         table: job.baked.report,
