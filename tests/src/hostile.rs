@@ -34,9 +34,8 @@ pub fn parse_and_run(bytes: &[u8]) -> Result<(), TableError> {
     }
     let lookup = Lookup::new(&tables);
     for pixel in [[0, 0], [i32::MIN, i32::MAX], [12_345, 678], [-128, -128]] {
-        let direction: tectum_core::Direction = lookup
-            .direction_of_pixel(pixel)
-            .unwrap_or_default();
+        let direction: tectum_core::Direction =
+            lookup.direction_of_pixel(pixel).unwrap_or_default();
         let _ = lookup.pixel_of_direction(direction);
         for eye in Eye::BOTH {
             let _ = lookup.direction_of_eye_pixel(eye, pixel);

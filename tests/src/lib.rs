@@ -1,8 +1,10 @@
-//! What the tests that cross crates share: random tables and frames, and a way to
+//! What the tests that cross crates share: random tables and frames, real pictures, a way to
 //! run a table of any origin.
 
+mod data;
 mod hostile;
 mod random;
 
+pub use data::{data, luma, picture, rig, rig_files};
 pub use hostile::parse_and_run;
 pub use random::{frame, rng, table};

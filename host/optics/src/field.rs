@@ -68,6 +68,9 @@ pub enum SightError {
     /// Inside the lens's field, but off the sensor.
     #[error("off the sensor")]
     OffSensor,
+    /// The distance asked for is not beyond the eye's own distance from the body's origin.
+    #[error("the distance is not beyond the eye itself")]
+    TooNear,
 }
 
 /// One eye: a camera model, the field of its lens, the size of its frame.
@@ -107,18 +110,9 @@ impl Eye {
     /// Half-angle in the direction of `azimuth_rad` that lens **and sensor** show: the field's,
     /// or where the sensor's border clips it. Found to 1e-9 rad, in rad.
     pub fn half_angle_rad(&self, azimuth_rad: f64) -> f64 {
-        let ray = |theta: f64| {
-            let (sin, cos) = (libm::sin(theta), libm::cos(theta));
-            Vector3::new(
-                sin * libm::cos(azimuth_rad),
-                sin * libm::sin(azimuth_rad),
-                cos,
-            )
-        };
         let seen = |theta: f64| {
-            self.model
-                .project(&ray(theta))
-                .is_ok_and(|px| self.check_sensor(px).is_ok())
+            let pixel = self.model.project(&ray_at(theta, azimuth_rad));
+            pixel.is_ok_and(|px| self.check_sensor(px).is_ok())
         };
         let field = self.field.half_angle_rad(azimuth_rad);
         if seen(field) {
@@ -134,6 +128,41 @@ impl Eye {
             }
         }
         low
+    }
+
+    /// The half-angle at which the camera model ends **on the sensor**, inside the field that the
+    /// eye claims, if there is one: such an eye would be blind where it says it sees. Looks in 64
+    /// directions.
+    pub fn model_gap_rad(&self) -> Option<f64> {
+        const DIRECTIONS: u32 = 64;
+        let azimuths =
+            (0..DIRECTIONS).map(|i| f64::from(i) / f64::from(DIRECTIONS) * std::f64::consts::TAU);
+        azimuths
+            .filter_map(|azimuth_rad| {
+                let claimed = self.field.half_angle_rad(azimuth_rad);
+                let reached = self.model_end_rad(azimuth_rad, claimed)?;
+                let edge = self.model.project(&ray_at(reached, azimuth_rad)).ok()?;
+                self.check_sensor(edge).is_ok().then_some(reached)
+            })
+            .reduce(f64::min)
+    }
+
+    /// Where the model ends in a direction, to 1e-6 rad; `None` if it reaches `claimed_rad`.
+    fn model_end_rad(&self, azimuth_rad: f64, claimed_rad: f64) -> Option<f64> {
+        let answers = |theta: f64| self.model.project(&ray_at(theta, azimuth_rad)).is_ok();
+        if answers(claimed_rad) {
+            return None;
+        }
+        let (mut low, mut high) = (0.0, claimed_rad);
+        while high - low > 1e-6 {
+            let middle = (low + high) / 2.0;
+            if answers(middle) {
+                low = middle
+            } else {
+                high = middle
+            }
+        }
+        Some(low)
     }
 
     fn check_field(&self, ray: &Vector3<f64>) -> Result<(), SightError> {
@@ -156,6 +185,16 @@ impl Eye {
             Err(SightError::OffSensor)
         }
     }
+}
+
+/// Unit ray `theta_rad` off the axis in the direction of `azimuth_rad`.
+fn ray_at(theta_rad: f64, azimuth_rad: f64) -> Vector3<f64> {
+    let sin = libm::sin(theta_rad);
+    Vector3::new(
+        sin * libm::cos(azimuth_rad),
+        sin * libm::sin(azimuth_rad),
+        libm::cos(theta_rad),
+    )
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ impl RigEye {
     /// which `pixel` shows.
     ///
     /// # Errors
-    /// [`SightError`] if the eye shows nothing there.
+    /// [`SightError`] if the eye shows nothing there, or lies outside that distance itself.
     pub fn direction_of(
         &self,
         pixel: [f64; 2],
@@ -65,8 +65,12 @@ impl RigEye {
     ) -> Result<Vector3<f64>, SightError> {
         let ray = self.pose.rotation * self.eye.unproject(pixel)?;
         let eye = self.pose.position_m / distance_m;
+        let room = 1.0 - eye.norm_squared();
+        if room.is_nan() || room <= 0.0 || distance_m <= 0.0 {
+            return Err(SightError::TooNear);
+        }
         let along = eye.dot(&ray);
-        let to_sphere = (along * along + 1.0 - eye.norm_squared()).sqrt() - along;
+        let to_sphere = (along * along + room).sqrt() - along;
         Ok((eye + ray * to_sphere).normalize())
     }
 }

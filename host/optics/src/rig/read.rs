@@ -138,14 +138,31 @@ impl Reader<'_> {
                 "farther from the body's origin than both eyes",
             ));
         }
-        Ok(RigEye {
-            eye: Eye {
-                size_px,
-                model,
-                field,
-            },
-            pose,
-        })
+        let eye = Eye {
+            size_px,
+            model,
+            field,
+        };
+        self.check_model(&eye, name)?;
+        Ok(RigEye { eye, pose })
+    }
+
+    /// The lens must be on its sensor and answer over the whole field.
+    fn check_model(&self, eye: &Eye, name: &str) -> Result<(), RigError> {
+        let centre = eye.model.principal_point_px();
+        let inside = |p: f64, side: u16| (0.0..f64::from(side)).contains(&p);
+        if !inside(centre[0], eye.size_px[0]) || !inside(centre[1], eye.size_px[1]) {
+            let key = format!("{name}.lens: centre");
+            return Err(self.value(&key, centre, "on the sensor (x, y in px)"));
+        }
+        match eye.model_gap_rad() {
+            None => Ok(()),
+            Some(end) => Err(self.keys(format!(
+                "[{name}] the field reaches farther than its lens model, which ends {:.1} degrees \
+                 off axis: give a smaller field_deg, or better lens parameters",
+                end.to_degrees()
+            ))),
+        }
     }
 
     fn field(&self, eye: &EyeFile, name: &str) -> Result<Field, RigError> {

@@ -91,6 +91,33 @@ fn errors_name_file_key_value_and_what_is_allowed() {
 }
 
 #[test]
+fn a_field_wider_than_the_lens_model_is_refused() {
+    // f(rho) = 130 - 1e-3 rho^2 + 2e-5 rho^3 turns back up well inside the frame.
+    let text = FISH.replace(
+        "direct = [-130.0, 0.0, 1e-3]",
+        "direct = [-130.0, 0.0, 1e-3, -2e-5]",
+    );
+    let error = message(&text);
+    assert!(
+        error.contains("[right] the field reaches farther"),
+        "{error}"
+    );
+    let off = message(&FISH.replace("centre_px = [239.5, 239.5]", "centre_px = [900.0, 239.5]"));
+    assert!(off.contains("left.lens: centre = [900.0, 239.5]"), "{off}");
+}
+
+#[test]
+fn distances_inside_the_rig_are_refused() {
+    let left = Rig::from_toml(FISH, "rig.toml").unwrap().left.unwrap();
+    for distance in [0.0, 0.01, -1.0, f64::NAN] {
+        assert_eq!(
+            left.direction_of([200.0, 200.0], distance),
+            Err(SightError::TooNear)
+        );
+    }
+}
+
+#[test]
 fn a_reference_frame_must_be_right_handed() {
     let with = |axes: &str| {
         let reference = format!("[reference]\naxes = {{ {axes} }}\n[mount]");

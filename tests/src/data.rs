@@ -1,0 +1,69 @@
+//! Real rigs, which are part of the repository, and real pictures, which are not.
+
+use std::path::{Path, PathBuf};
+
+use tectum_optics::Rig;
+
+fn repository() -> &'static Path {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
+    tests.parent().unwrap_or(tests)
+}
+
+/// A folder of the data sets that lie beside a checkout in `../shared/data`. `None`, with a
+/// message, where they are not there: the test that asked then has nothing to do.
+pub fn data(set: &str) -> Option<PathBuf> {
+    let folder = repository().join("../shared/data").join(set);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("skipped: the pictures of {set} are not beside this checkout");
+    None
+}
+
+/// All rig files of the repository, in the order of their names.
+///
+/// # Panics
+/// If the folder cannot be read.
+pub fn rig_files() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(repository().join("tables/rigs")).expect("tables/rigs");
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("readable").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    files.sort();
+    files
+}
+
+/// A rig of the repository by name.
+///
+/// # Panics
+/// If it cannot be read.
+pub fn rig(name: &str) -> Rig {
+    let path = repository()
+        .join("tables/rigs")
+        .join(name)
+        .with_extension("toml");
+    Rig::load(&path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A picture file as 8-bit RGB and its width and height.
+///
+/// # Panics
+/// If it cannot be read.
+pub fn picture(path: &Path) -> (Vec<u8>, [u16; 2]) {
+    let picture = image::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let size = [picture.width() as u16, picture.height() as u16];
+    (picture.into_rgb8().into_raw(), size)
+}
+
+/// A picture file as 8-bit luma and its width and height.
+///
+/// # Panics
+/// If it cannot be read.
+pub fn luma(path: &Path) -> (Vec<u8>, [usize; 2]) {
+    let (rgb, size) = picture(path);
+    (
+        tectum_bake::convert::from_rgb8(tectum_bake::Format::Gray8, &rgb),
+        size.map(usize::from),
+    )
+}
