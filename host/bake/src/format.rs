@@ -1,9 +1,10 @@
 //! The pixel formats of the core as a value, for tools that choose one at run time.
 
 use serde::{Deserialize, Serialize};
-use tectum_core::{Frame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher, Tables, Yuyv};
+use tectum_core::{Eye, Frame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher, Tables, Yuyv};
 
 use crate::StitchFailure;
+use crate::parallel::stitch_bands;
 
 /// A pixel format of the core.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -67,7 +68,7 @@ pub struct Pair<'a> {
     pub right: &'a [u8],
 }
 
-/// Stitches a whole picture with the core.
+/// Stitches a whole picture with the core, on the present thread.
 ///
 /// # Errors
 /// [`StitchFailure`] if a size does not fit.
@@ -86,6 +87,25 @@ pub fn stitch(
     }
 }
 
+/// Stitches a whole picture with the core on all threads of the present rayon pool: the same
+/// bytes as [`stitch`].
+///
+/// # Errors
+/// [`StitchFailure`] if a size does not fit.
+pub fn stitch_parallel(
+    tables: &Tables<'_>,
+    format: Format,
+    sampler: Sampler,
+    pair: Pair<'_>,
+) -> Result<Vec<u8>, StitchFailure> {
+    match format {
+        Format::Gray8 => stitch_parallel_as::<Gray8>(tables, sampler, pair),
+        Format::Rgb565 => stitch_parallel_as::<Rgb565>(tables, sampler, pair),
+        Format::Yuyv => stitch_parallel_as::<Yuyv>(tables, sampler, pair),
+        Format::Rgb8 => stitch_parallel_as::<Rgb8>(tables, sampler, pair),
+    }
+}
+
 fn stitch_as<F: PixelFormat>(
     tables: &Tables<'_>,
     sampler: Sampler,
@@ -93,19 +113,7 @@ fn stitch_as<F: PixelFormat>(
     pair: Pair<'_>,
 ) -> Result<Vec<u8>, StitchFailure> {
     let stitcher = Stitcher::<F>::new(tables, sampler)?;
-    // An eye that the table does not show may be any frame.
-    let frame = |eye, data| {
-        let [width, height] = tables.source_size_px(eye).unwrap_or([2, 2]);
-        let blank = &[0; 12][..4 * F::BYTES_PER_PIXEL];
-        let data = if tables.mesh(eye).is_some() {
-            data
-        } else {
-            blank
-        };
-        Frame::<F>::new(data, width, height, usize::from(width) * F::BYTES_PER_PIXEL)
-    };
-    let left = frame(tectum_core::Eye::Left, pair.left)?;
-    let right = frame(tectum_core::Eye::Right, pair.right)?;
+    let [left, right] = frames::<F>(tables, pair)?;
     let row_bytes = stitcher.row_bytes();
     let mut out = vec![0; row_bytes * usize::from(tables.output_height_px())];
     match pass {
@@ -120,4 +128,34 @@ fn stitch_as<F: PixelFormat>(
         }
     }
     Ok(out)
+}
+
+fn stitch_parallel_as<F: PixelFormat + Sync>(
+    tables: &Tables<'_>,
+    sampler: Sampler,
+    pair: Pair<'_>,
+) -> Result<Vec<u8>, StitchFailure> {
+    let [left, right] = frames::<F>(tables, pair)?;
+    let row_bytes = usize::from(tables.output_width_px()) * F::BYTES_PER_PIXEL;
+    let mut out = vec![0; row_bytes * usize::from(tables.output_height_px())];
+    stitch_bands(tables, sampler, &left, &right, &mut out)?;
+    Ok(out)
+}
+
+fn frames<'a, F: PixelFormat>(
+    tables: &Tables<'_>,
+    pair: Pair<'a>,
+) -> Result<[Frame<'a, F>; 2], StitchFailure> {
+    // An eye that the table does not show may be any frame.
+    let frame = |eye, data| {
+        let [width, height] = tables.source_size_px(eye).unwrap_or([2, 2]);
+        let blank = &[0; 12][..4 * F::BYTES_PER_PIXEL];
+        let data = if tables.mesh(eye).is_some() {
+            data
+        } else {
+            blank
+        };
+        Frame::<F>::new(data, width, height, usize::from(width) * F::BYTES_PER_PIXEL)
+    };
+    Ok([frame(Eye::Left, pair.left)?, frame(Eye::Right, pair.right)?])
 }

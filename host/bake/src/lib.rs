@@ -7,6 +7,7 @@ mod bake;
 pub mod convert;
 mod format;
 pub mod mesh;
+mod parallel;
 mod rays;
 pub mod reference;
 pub mod seam;
@@ -14,7 +15,8 @@ mod sights;
 mod verify;
 
 pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
-pub use format::{Format, Pair, Pass, stitch};
+pub use format::{Format, Pair, Pass, stitch, stitch_parallel};
+pub use parallel::stitch_bands;
 pub use sights::{Sight, Sights};
 pub use verify::{FormatResult, PixelError, Verification, VerifyError, output_map, verify};
 
