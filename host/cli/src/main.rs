@@ -8,6 +8,7 @@ mod frames;
 mod instructions;
 mod pictures;
 mod pool;
+mod progress;
 mod report;
 mod scales;
 mod verbs;

@@ -9,6 +9,7 @@ use tectum_bake::{BakeOptions, Baked, Format, bake};
 use tectum_optics::Rig;
 
 use crate::args::OutputArgs;
+use crate::progress::Progress;
 use crate::report::{Report, max_rms};
 use crate::{files, instructions};
 
@@ -46,7 +47,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         feather_rad: args.feather.to_radians(),
     };
     check_memory(options.output.size_px)?;
+    let progress = Progress::new(1);
+    progress.step("baking");
     let baked = bake(&rig, &options)?;
+    drop(progress);
     files::write(&args.output, &baked.bytes)?;
     let [width, height] = options.output.size_px;
     let text = format!(

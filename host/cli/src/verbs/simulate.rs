@@ -8,6 +8,7 @@ use tectum_optics::Rig;
 use tectum_optics::convention::yaw_pitch;
 use tectum_scene::{RenderOptions, Rendered, Scene, Seen, Truth, Wall, camera, render};
 
+use crate::progress::Progress;
 use crate::report::Report;
 use crate::{pictures, pool};
 
@@ -45,6 +46,8 @@ pub struct Args {
 /// Simulates.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let rig = Rig::load(&args.rig)?;
+    let progress = Progress::new(if args.truth { 2 } else { 1 });
+    progress.step("rendering both eyes");
     let scene = Scene::new(&pool::furnished(&rig))?;
     let eyes = pool::both_eyes(&scene, &rig, args.seed, args.samples)?;
     let mut written = Vec::new();
@@ -58,6 +61,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         }
     }
     if args.truth {
+        progress.step("rendering the sphere");
         let sphere = camera::equirect(1024, 512, camera::Pose::default());
         let options = RenderOptions {
             samples_per_side: args.samples,

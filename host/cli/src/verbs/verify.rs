@@ -10,6 +10,7 @@ use tectum_optics::Rig;
 use tectum_scene::Scene;
 
 use crate::frames::Frames;
+use crate::progress::Progress;
 use crate::report::{Report, max_rms};
 use crate::{files, pool};
 
@@ -40,6 +41,8 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let bytes = files::read(&args.table)?;
     let tables = files::table(&bytes, &args.table)?;
     let rig = args.rig.as_deref().map(Rig::load).transpose()?;
+    let progress = Progress::new(2);
+    progress.step("frames");
     let (frames, source) = if args.left.is_some() || args.right.is_some() {
         let frames = Frames::load(&tables, args.left.as_deref(), args.right.as_deref())?;
         (frames, "given")
@@ -50,8 +53,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     } else {
         (Frames::noise(&tables), "noise")
     };
+    progress.step("comparing every byte");
     let verification = verify(&tables, rig.as_ref(), frames.pair())
         .with_context(|| args.table.display().to_string())?;
+    drop(progress);
     let mut json = serde_json::to_value(&verification)?;
     json["frames"] = json!(source);
     Ok(Report {

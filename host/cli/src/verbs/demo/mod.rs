@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use image::RgbImage;
-use indicatif::{ProgressBar, ProgressStyle};
 use tectum_bake::{BakeOptions, Baked, Format, Pass, Verification, bake, stitch, verify};
 use tectum_core::{Sampler, Tables};
 use tectum_optics::{OutputMap, Projection, Rig};
@@ -18,6 +17,7 @@ use tectum_scene::{Rendered, Scene};
 use self::summary::{Angles, Large, Summary};
 use crate::args::Size;
 use crate::frames::Frames;
+use crate::progress::Progress;
 use crate::report::Report;
 use crate::{files, pictures, pool, scales};
 
@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     )?;
     files::write(&at("summary.txt"), text.as_bytes())?;
     files::write(&at("index.html"), page::html(&summary, hero).as_bytes())?;
-    progress.finish();
+    drop(progress);
 
     // Not in the files: the same input gives the same files.
     let seconds = start.elapsed().as_secs_f64();
@@ -223,28 +223,5 @@ impl<'a> Folder<'a> {
             }
         }
         Ok(())
-    }
-}
-
-/// A bar on stderr, drawn only on a terminal.
-struct Progress(ProgressBar);
-
-impl Progress {
-    fn new(steps: u64) -> Self {
-        let style = ProgressStyle::with_template("{bar:30} {msg}");
-        let bar = ProgressBar::new(steps);
-        Self(match style {
-            Ok(style) => bar.with_style(style),
-            Err(_) => bar,
-        })
-    }
-
-    fn step(&self, what: &'static str) {
-        self.0.set_message(what);
-        self.0.inc(1);
-    }
-
-    fn finish(&self) {
-        self.0.finish_and_clear();
     }
 }

@@ -1,0 +1,34 @@
+//! Progress on stderr, drawn only on a terminal.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar that goes on by steps; it vanishes when dropped.
+pub struct Progress(ProgressBar);
+
+impl Progress {
+    /// A bar of `steps`.
+    pub fn new(steps: u64) -> Self {
+        let bar = ProgressBar::new(steps);
+        bar.enable_steady_tick(Duration::from_millis(100));
+        // The template is a constant; were it wrong, the plain bar would do.
+        let style = ProgressStyle::with_template("{spinner} {bar:30} {msg} ({elapsed})");
+        Self(match style {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        })
+    }
+
+    /// Begins the next step.
+    pub fn step(&self, what: &'static str) {
+        self.0.set_message(what);
+        self.0.inc(1);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

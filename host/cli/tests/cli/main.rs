@@ -1,0 +1,6 @@
+//! The command line as a person or a script meets it.
+
+mod bad_input;
+mod common;
+mod demo;
+mod verbs;
