@@ -22,8 +22,8 @@ fn baked(rig: &Rig, projection: Projection, size_px: [u16; 2]) -> Baked {
 fn every_rig_of_the_repository_bakes_into_a_small_table() {
     for path in rig_files() {
         let rig = Rig::load(&path).unwrap_or_else(|error| panic!("{error}"));
-        // Limits in bytes: meshes of 3.9 KB (step 16 at 640x320, eyes up to 960 px), 14.3 KB (step
-        // 8, which eyes three times as fine as the output need) or 9.4 KB (step 32 at 2048x1024)
+        // Limits in bytes: meshes of 3.9 KB (step 16 at 640x320, an eye of 480 px), 14.3 KB (step
+        // 8, which finer eyes need) or 9.4 KB (step 32 at 2048x1024)
         // an eye, and runs of rows that all differ. Dense tables with 6 bytes a pixel and eye
         // would be 2.4 and 25 MB.
         for (size_px, limit) in [([640, 320], 40_000), ([2048, 1024], 48_000)] {

@@ -1,10 +1,16 @@
 //! One named command for each chore and CI step.
 
+mod figures;
 mod firmware;
+mod fuzz;
+mod steps;
+mod tables;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use steps::Outcome;
 
 #[derive(Parser)]
 #[command(
@@ -18,6 +24,14 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Everything that must pass, in order; what it needs it installs, or says what to install
+    Test,
+    /// Bake the shipped tables again and compare them byte for byte
+    Tables(tables::Args),
+    /// Write the README's table of measured figures and compare it
+    Figures(figures::Args),
+    /// Fuzz the table parser for some seconds, where nightly Rust and cargo-fuzz are present
+    Fuzz(fuzz::Args),
     /// The core on emulated Cortex-M boards: test, report
     Firmware(firmware::Args),
     /// The tests of the tables and the core on emulated aarch64
@@ -25,15 +39,30 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    let passed = |result: anyhow::Result<()>| result.map(|()| Outcome::Passed);
     let result = match Cli::parse().command {
+        Command::Test => passed(steps::run()),
+        Command::Tables(args) => passed(tables::run(&args)),
+        Command::Figures(args) => passed(figures::run(&args)),
+        Command::Fuzz(args) => passed(fuzz::run(&args)),
         Command::Firmware(args) => firmware::run(args),
         Command::Aarch64 => firmware::aarch64::run(),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(Outcome::Passed) => ExitCode::SUCCESS,
+        Ok(Outcome::Skipped(why)) => {
+            println!("skipped: {why}");
+            ExitCode::SUCCESS
+        }
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE
         }
     }
+}
+
+/// The repository's top folder.
+fn repository() -> &'static Path {
+    let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
+    xtask.parent().unwrap_or(xtask)
 }

@@ -1,10 +1,10 @@
 //! `cargo xtask aarch64`: the tests of the core on the SoC side's processor, emulated.
 
 use anyhow::{Context, bail};
-use console::style;
 
 use super::packages::{self, Need};
 use super::{repository, target_dir, toolchain};
+use crate::steps::Outcome;
 
 const TARGET: &str = "aarch64-unknown-linux-gnu";
 const NEEDS: &[Need] = &[
@@ -50,15 +50,13 @@ const TESTS: [&str; 11] = [
 ];
 
 /// Builds the tests with Debian's cross compiler and runs them under user-mode QEMU.
-pub fn run() -> anyhow::Result<()> {
+pub fn run() -> anyhow::Result<Outcome> {
     if !packages::ensure(NEEDS, Some("arm64")) {
-        println!(
-            "{} aarch64 tests: as root `dpkg --add-architecture arm64`, `apt-get update` and \
+        return Ok(Outcome::Skipped(format!(
+            "as root `dpkg --add-architecture arm64`, `apt-get update` and \
              `apt-get install {}`",
-            style("skipped").yellow(),
             packages::names(NEEDS)
-        );
-        return Ok(());
+        )));
     }
     let mut cargo = toolchain::debian_cargo();
     cargo
@@ -80,5 +78,5 @@ pub fn run() -> anyhow::Result<()> {
     if !status.success() {
         bail!("tests failed on emulated aarch64");
     }
-    Ok(())
+    Ok(Outcome::Passed)
 }

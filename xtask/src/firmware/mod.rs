@@ -12,9 +12,14 @@ mod snapshot;
 mod test;
 mod toolchain;
 
-use std::path::{Path, PathBuf};
+pub use report::figures;
+
+use std::path::PathBuf;
 
 use clap::Subcommand;
+
+use crate::repository;
+use crate::steps::Outcome;
 
 /// Arguments of `cargo xtask firmware`.
 #[derive(clap::Args)]
@@ -32,17 +37,16 @@ enum Command {
 }
 
 /// Runs `cargo xtask firmware`.
-pub fn run(args: Args) -> anyhow::Result<()> {
+pub fn run(args: Args) -> anyhow::Result<Outcome> {
     match args.command {
         Command::Test(args) => test::run(&args),
-        Command::Report(args) => report::run(&args),
+        Command::Report(args) => report::run(&args).map(|()| Outcome::Passed),
     }
 }
 
-/// The repository's top folder.
-fn repository() -> &'static Path {
-    let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
-    xtask.parent().unwrap_or(xtask)
+/// Every program and proof on every board.
+pub fn test_all() -> anyhow::Result<Outcome> {
+    test::run(&test::Args::default())
 }
 
 /// The firmware workspace.

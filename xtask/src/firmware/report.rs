@@ -104,3 +104,14 @@ fn as_markdown(rows: &[Row]) -> String {
     }
     text
 }
+
+/// The figures that the README shows.
+pub fn figures() -> anyhow::Result<String> {
+    let shown = |row: &Row| {
+        let what = row.what.as_str();
+        // A void pixel is a fill, and a whole picture a mixture: the README shows the parts.
+        !what.ends_with(" void") && !what.ends_with(" picture")
+    };
+    let rows: Vec<Row> = rows()?.into_iter().filter(shown).collect();
+    Ok(as_markdown(&rows))
+}

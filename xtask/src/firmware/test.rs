@@ -11,6 +11,7 @@ use super::build::Builder;
 use super::snapshot::{self, Compare};
 use super::toolchain::Toolchain;
 use super::{emulate, host, proofs, workspace};
+use crate::steps::Outcome;
 
 /// Programs that run, and how their output is compared.
 const PROGRAMS: [(&str, Compare); 4] = [
@@ -21,7 +22,7 @@ const PROGRAMS: [(&str, Compare); 4] = [
 ];
 
 /// Arguments of `cargo xtask firmware test`.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct Args {
     /// Rewrite the snapshots that differ
     #[arg(long)]
@@ -34,7 +35,7 @@ pub struct Args {
 }
 
 /// Runs everything asked for, collects what failed, and fails once.
-pub fn run(args: &Args) -> anyhow::Result<()> {
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let known = PROGRAMS.iter().map(|(name, _)| *name).chain(["proofs"]);
     if let Some(name) = &args.name
         && !known.clone().any(|known| known == name)
@@ -50,8 +51,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let toolchain = match Toolchain::find(&boards) {
         Ok(toolchain) => toolchain,
         Err(what_to_do) => {
-            println!("{} firmware tests: {what_to_do}", style("skipped").yellow());
-            return Ok(());
+            return Ok(Outcome::Skipped(what_to_do));
         }
     };
     let failures: Vec<String> = boards
@@ -60,7 +60,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         .filter_map(|(name, result)| print_result(name, result))
         .collect();
     if failures.is_empty() {
-        return Ok(());
+        return Ok(Outcome::Passed);
     }
     Err(anyhow!(
         "{} failed: {}",
