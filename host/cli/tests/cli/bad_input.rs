@@ -157,6 +157,26 @@ fn rigs_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn eyes_outside_the_pool_are_refused() {
+    let bench = Bench::new();
+    let good = fs::read_to_string(bench.path("rig.toml")).unwrap();
+    let far = good.replace("lateral_mm", "up_mm = 1500.0\nlateral_mm");
+    fs::write(bench.path("far.toml"), far).unwrap();
+    for command in [
+        "simulate far.toml -o new",
+        "demo --fast --rig far.toml -o new",
+    ] {
+        assert_says(
+            &bench.refused(1, command),
+            &["left eye", "1.5", "outside the pool", "1.2"],
+        );
+    }
+    // Too coarse an output for the error asked: refused before anything is written.
+    let message = bench.refused(1, "demo --fast --rig rig.toml --size 80x40 -o new");
+    assert_says(&message, &["no mesh meets 0.05 px", "--max-error"]);
+}
+
+#[test]
 fn a_rig_that_is_not_the_tables_is_refused() {
     let bench = Bench::with_table();
     let other = fs::read_to_string(bench.path("rig.toml"))

@@ -63,18 +63,19 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let with_large = !args.fast && args.rig.is_none();
     let progress = Progress::new(if with_large { 5 } else { 4 });
     let mut folder = Folder::new(&args.output);
-    folder.write("rig.toml", rig_text.as_bytes())?;
 
     progress.step("rendering both eyes");
     let description = pool::furnished(&rig);
     let scene = Scene::new(&description)?;
     let samples_per_side = if args.fast { 1 } else { 3 };
     let eyes = pool::both_eyes(&scene, &rig, 0, samples_per_side)?;
-    folder.save_eyes(&eyes)?;
 
     progress.step("baking the table");
     let map = Projection::Equirect.output_map(args.size.0)?;
     let job = Job::new(&rig, &map, &pool::frames(&eyes), args.max_error)?;
+    // All that can be refused is done: a failure leaves no half a demo.
+    folder.write("rig.toml", rig_text.as_bytes())?;
+    folder.save_eyes(&eyes)?;
     folder.write("table.tct", &job.baked.bytes)?;
     let tables = Tables::parse(&job.baked.bytes)?;
     let mut with_scales = job.stitched.clone();
