@@ -35,3 +35,8 @@ pub use frame::{Frame, FrameError};
 pub use lookup::Lookup;
 pub use stitcher::{Sampler, StitchError, Stitcher};
 pub use tectum_tables::{Eye, TableError, Tables};
+
+/// Compiles the README's example.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -14,6 +14,7 @@ const LENGTH_MASK: u16 = 0x3fff;
 /// Edge weights are stored as 0..=255 and widened to 0..=256 by `a + (a >> 7)`; pixel i of n has
 /// the weight at its centre, `a + (b - a) (i + 1/2) / n`, rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ramp {
     weight_q16: i32,
     step_q16: i32,
@@ -46,6 +47,7 @@ impl Ramp {
 
 /// What the pixels of a run show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RunKind {
     /// Neither eye: background.
     Void,
@@ -59,6 +61,7 @@ pub enum RunKind {
 
 /// Neighbouring output pixels of one row with the same owner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Run {
     /// First column.
     pub start: u32,

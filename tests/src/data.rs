@@ -20,6 +20,11 @@ pub fn data(set: &str) -> Option<PathBuf> {
     None
 }
 
+/// Folder of the shipped tables.
+pub fn baked_folder() -> PathBuf {
+    repository().join("tables/baked")
+}
+
 /// All rig files of the repository, in the order of their names.
 ///
 /// # Panics

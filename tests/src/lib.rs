@@ -5,6 +5,6 @@ mod data;
 mod hostile;
 mod random;
 
-pub use data::{data, luma, picture, rig, rig_files};
+pub use data::{baked_folder, data, luma, picture, rig, rig_files};
 pub use hostile::parse_and_run;
 pub use random::{frame, rng, table};

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 use tectum_bake::{BakeOptions, Baked, Format, Pair, Pass, bake, stitch, verify};
-use tectum_core::{Sampler, StitchError, Tables};
+use tectum_core::{Eye, Sampler, StitchError, Tables};
 use tectum_optics::convention::angle_between;
 use tectum_optics::{Pose, Projection, Rig};
-use tectum_tests::{data, luma, picture, rig, rig_files};
+use tectum_tests::{baked_folder, data, frame, luma, picture, rig, rig_files, rng};
 
 const MAX_ERROR_PX: f64 = 0.05;
 
@@ -44,6 +44,36 @@ fn every_rig_of_the_repository_bakes_into_a_small_table() {
             );
             assert!(report.coordinate_error_px.max <= MAX_ERROR_PX);
         }
+    }
+}
+
+#[test]
+fn no_byte_is_off_with_the_shipped_tables() {
+    for (table, rig_name) in [
+        ("paper-fish-480x240.tct", "paper-fish-240"),
+        ("paper-fish-640x320.tct", "paper-fish"),
+        ("paper-fish-1280x640.tct", "paper-fish-960"),
+    ] {
+        let bytes = std::fs::read(baked_folder().join(table)).expect("shipped");
+        let tables = Tables::parse(&bytes).expect("shipped tables are proven");
+        let [width, height] = tables
+            .source_size_px(Eye::Left)
+            .expect("both eyes")
+            .map(usize::from);
+        let mut rng = rng(1);
+        let [left, right] = [0, 1].map(|_| frame(&mut rng, 3 * width * height));
+        let pair = Pair {
+            left: &left,
+            right: &right,
+        };
+        let result = verify(&tables, Some(&rig(rig_name)), pair).expect("baked from this rig");
+        println!(
+            "{table}: {} mismatches in {} bytes",
+            result.mismatches, result.bytes_compared
+        );
+        assert_eq!(result.mismatches, 0, "{table}");
+        assert_eq!(result.formats.len(), Format::ALL.len());
+        assert!(result.coordinate_error_px.expect("a rig was given").max <= MAX_ERROR_PX);
     }
 }
 

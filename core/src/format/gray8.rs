@@ -7,6 +7,7 @@ use crate::kernel::{Position, Source, bilinear, blend, walk};
 
 /// One byte of luma to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gray8;
 
 impl PixelFormat for Gray8 {

@@ -8,6 +8,7 @@ use crate::kernel::{Position, Source, Spot, bilinear, blend, walk};
 /// A little-endian 16-bit word to a pixel: red in bits 15..11, green 10..5, blue 4..0. Channels
 /// are interpolated and blended at their own depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rgb565;
 
 impl PixelFormat for Rgb565 {

@@ -7,6 +7,7 @@ use crate::kernel::{Position, Source, bilinear, blend, walk};
 
 /// Three bytes to a pixel: red, green, blue (or any other order: channels are treated alike).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rgb8;
 
 impl PixelFormat for Rgb8 {

@@ -9,6 +9,7 @@ use crate::kernel::{Position, Source, bilinear, blend};
 /// UVC). Luma is sampled for every pixel; the chroma of a pair is sampled where its even pixel
 /// looks, and comes from the run that owns the even pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Yuyv;
 
 impl PixelFormat for Yuyv {
