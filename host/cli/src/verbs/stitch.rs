@@ -26,7 +26,7 @@ pub struct Args {
     /// Table
     table: PathBuf,
     /// Picture of the left eye (PNG, JPEG, PNM)
-    #[arg(long, value_name = "A", required_unless_present = "picture")]
+    #[arg(long, value_name = "A", required_unless_present_any = ["picture", "right"])]
     left: Option<PathBuf>,
     /// Picture of the right eye; may be the same file
     #[arg(long, value_name = "B")]

@@ -59,6 +59,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     drop(progress);
     let mut json = serde_json::to_value(&verification)?;
     json["frames"] = json!(source);
+    // Scripts find these keys whether there is a rig or not.
+    for key in ["coordinate_error_px", "pixel_error_lsb"] {
+        json[key] = json[key].take();
+    }
     Ok(Report {
         text: format!(
             "{}: {} output pixels, frames: {source}\n{}",

@@ -80,6 +80,10 @@ fn pictures_that_do_not_fit_are_refused() {
         &["right eye", "--right"],
     );
     assert_says(
+        &bench.refused(1, "stitch fish.tct --right right.png -o out.png"),
+        &["left eye", "--left"],
+    );
+    assert_says(
         &bench.refused(1, "stitch fish.tct --picture left.png -o out.tiff"),
         &["out.tiff", ".png"],
     );

@@ -19,7 +19,8 @@ const HIDDEN_M: f64 = 1e-6;
 pub struct AngleCheck {
     /// Directions compared.
     pub count: usize,
-    /// Least and greatest distance of what they show from the body's origin, m.
+    /// Least and greatest distance of what they show from the body's origin, m; infinity, which
+    /// JSON writes as null, for the hall around an empty pool.
     pub range_m: [f64; 2],
     /// Against the direction of the eye's ray at the stitch distance: the table's own error.
     pub table_deg: ErrorSummary,
@@ -104,7 +105,7 @@ fn corner(
         .ok()?;
     let pixel_q8 = pixel.map(|p| (p * 256.0).round() as i32);
     let found = Lookup::new(tables).direction_of_eye_pixel(side, pixel_q8)?;
-    sample(rig, eye, found, pixel, point.coords)
+    sample(rig, eye, found, pixel, (point.coords, point.coords.norm()))
 }
 
 /// Every pixel of the stitched picture, against what the eye's ray there really meets.
@@ -145,27 +146,29 @@ fn stitched_pixel(
     let ray = Ray::new(Point3::from(eye.pose.position_m), ray);
     let hit = scene.trace(&ray).ok()?;
     let seen = if hit.range_m.is_finite() {
-        ray.at(hit.range_m).coords
+        let point = ray.at(hit.range_m).coords;
+        (point, point.norm())
     } else {
-        ray.direction.into_inner()
+        (ray.direction.into_inner(), f64::INFINITY)
     };
     let found = Lookup::new(tables).direction_of_pixel([x as i32 * 256, y as i32 * 256])?;
     sample(rig, eye, found, pixel, seen)
 }
 
-/// `found` for an eye's `pixel` that shows the point `seen` (from the body's origin, m).
+/// `found` for an eye's `pixel` that shows what lies in the direction `seen` from the body's
+/// origin, `range_m` from it.
 fn sample(
     rig: &Rig,
     eye: &RigEye,
     found: Direction,
     pixel: [f64; 2],
-    seen: Vector3<f64>,
+    (seen, range_m): (Vector3<f64>, f64),
 ) -> Option<Sample> {
     let [yaw, pitch] = [found.yaw, found.pitch].map(|angle| f64::from(angle.rad()));
     let found = direction(yaw, pitch);
     let at_distance = eye.direction_of(pixel, rig.stitch_distance_m).ok()?;
     Some(Sample {
-        range_m: seen.norm(),
+        range_m,
         table_rad: angle_between(&found, &at_distance),
         parallax_rad: angle_between(&found, &seen),
     })
