@@ -12,6 +12,8 @@
 //! of differences of neighbours it is at most their greatest magnitude: the weights' magnitudes
 //! add up to t + t^2 - t^3 <= 1. That bound is what keeps everything here inside an `i32`.
 
+use crate::in_order::in_order;
+
 /// Greatest difference in x or y between neighbouring vertices: 100 px in Q8.
 ///
 /// A row value is a convex-plus-overshoot mix of four vertices with weights of total magnitude at
@@ -153,7 +155,11 @@ impl Axis {
     pub fn step(&mut self) {
         let [d1, d2, d3] = self.difference;
         self.offset.0 = self.offset.0.wrapping_add(d1);
-        self.difference = [d1.wrapping_add(d2), d2.wrapping_add(d3), d3];
+        self.difference = [
+            in_order(d1.wrapping_add(d2)),
+            in_order(d2.wrapping_add(d3)),
+            d3,
+        ];
     }
 }
 

@@ -22,6 +22,7 @@ pub mod builder;
 mod cubic;
 mod error;
 mod eye_rays;
+mod in_order;
 mod layout;
 mod mesh;
 mod output_map;
@@ -31,6 +32,8 @@ mod view;
 pub use cubic::{Axis, MAX_VERTEX_DIFFERENCE_Q8, Offset, Segment};
 pub use error::{TableError, Tag};
 pub use eye_rays::EyeRays;
+#[doc(hidden)]
+pub use in_order::in_order;
 pub use layout::{Eye, Vertex};
 pub use mesh::{Mesh, Segments};
 pub use output_map::{OutputMap, ProjectionKind};

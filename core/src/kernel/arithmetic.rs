@@ -1,5 +1,7 @@
 //! Integer arithmetic of a pixel, as `tables/FORMAT.md` specifies it.
 
+use tectum_tables::in_order;
+
 /// Bilinear mix of a 2x2 box `[upper left, upper right, lower left, lower right]` with fractions
 /// in Q8 (0..=255), rounded half up. Values up to 16 bits; a constant box stays constant.
 #[inline(always)]
@@ -9,7 +11,7 @@ pub(crate) fn bilinear(box_2x2: [u32; 4], fraction_q8: [u32; 2]) -> u32 {
     // Differences instead of two weights each: three multiplications, all exact.
     let upper = (a << 8) + (b - a) * fx;
     let lower = (c << 8) + (d - c) * fx;
-    (((upper << 8) + (lower - upper) * fy + (1 << 15)) >> 16) as u32
+    ((in_order((lower - upper) * fy + in_order(1 << 15)) + (upper << 8)) >> 16) as u32
 }
 
 /// Mix of the left and right eye's value; weights add up to 256. Rounded half up.
