@@ -92,12 +92,10 @@ impl Spot<'_> {
             self.source.data.as_ptr_range().contains(&pointer),
             "the table let a position outside the frame through"
         );
-        // SAFETY: `pointer` is derived from `data` and moved to a position that a run of a parsed
-        // table shows, or to its box's right and lower neighbours, or to a byte within those
-        // pixels. `Tables::parse` proves each of them to lie inside a frame of the size that
-        // `Source::new` checked, and `Frame::new` checked that `data` holds such a frame.
-        // `tests/tests/hostile.rs` runs this with the assertion above on tables whose positions
-        // are pushed over each edge.
+        // SAFETY: `pointer` comes from `data`, moved to a byte of a pixel (or of its right or lower
+        // neighbour) that a run of a parsed table shows: `Tables::parse` proved it inside a frame
+        // of the size that `Source::new` checked, and `Frame::new` that `data` holds one. Pushed
+        // over each edge by `tests/tests/hostile.rs`, which has the assertion above on.
         u32::from(unsafe { *pointer })
     }
 

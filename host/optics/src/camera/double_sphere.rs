@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{ModelError, ParameterError};
+use super::{ModelError, ParameterError, check_pinhole};
 
 /// Two unit spheres `xi` apart, then a pinhole shifted by `alpha / (1 - alpha)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,14 +28,7 @@ impl DoubleSphere {
         xi: f64,
         alpha: f64,
     ) -> Result<Self, ParameterError> {
-        ParameterError::check_positive(&[
-            ("focal_px[0]", focal_px[0]),
-            ("focal_px[1]", focal_px[1]),
-        ])?;
-        ParameterError::check_finite(&[
-            ("centre_px[0]", centre_px[0]),
-            ("centre_px[1]", centre_px[1]),
-        ])?;
+        check_pinhole(focal_px, centre_px)?;
         if xi.is_nan() || xi.abs() >= 1.0 {
             return Err(ParameterError {
                 parameter: "xi",

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::{ModelError, ParameterError};
+use super::{ModelError, ParameterError, check_pinhole};
 
 /// An ellipsoid of shape `beta` instead of the unified model's sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,15 +29,8 @@ impl Eucm {
         alpha: f64,
         beta: f64,
     ) -> Result<Self, ParameterError> {
-        ParameterError::check_positive(&[
-            ("focal_px[0]", focal_px[0]),
-            ("focal_px[1]", focal_px[1]),
-            ("beta", beta),
-        ])?;
-        ParameterError::check_finite(&[
-            ("centre_px[0]", centre_px[0]),
-            ("centre_px[1]", centre_px[1]),
-        ])?;
+        check_pinhole(focal_px, centre_px)?;
+        ParameterError::check_positive(&[("beta", beta)])?;
         if !(0.0..=1.0).contains(&alpha) {
             return Err(ParameterError {
                 parameter: "alpha",

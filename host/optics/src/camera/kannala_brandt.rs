@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use super::root::decreasing_root;
-use super::{ModelError, ParameterError, ray_at};
+use super::{ModelError, ParameterError, check_pinhole, ray_at};
 
 /// `theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)`,
 /// `pixel = centre + focal * theta_d * (x, y) / |(x, y)|`.
@@ -30,13 +30,8 @@ impl KannalaBrandt {
         centre_px: [f64; 2],
         distortion: [f64; 4],
     ) -> Result<Self, ParameterError> {
-        ParameterError::check_positive(&[
-            ("focal_px[0]", focal_px[0]),
-            ("focal_px[1]", focal_px[1]),
-        ])?;
+        check_pinhole(focal_px, centre_px)?;
         ParameterError::check_finite(&[
-            ("centre_px[0]", centre_px[0]),
-            ("centre_px[1]", centre_px[1]),
             ("distortion[0]", distortion[0]),
             ("distortion[1]", distortion[1]),
             ("distortion[2]", distortion[2]),

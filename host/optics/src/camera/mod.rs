@@ -76,6 +76,15 @@ impl ParameterError {
     }
 }
 
+/// Refuses focal lengths that are not positive and a principal point that is not finite.
+fn check_pinhole(focal_px: [f64; 2], centre_px: [f64; 2]) -> Result<(), ParameterError> {
+    ParameterError::check_positive(&[("focal_px[0]", focal_px[0]), ("focal_px[1]", focal_px[1])])?;
+    ParameterError::check_finite(&[
+        ("centre_px[0]", centre_px[0]),
+        ("centre_px[1]", centre_px[1]),
+    ])
+}
+
 /// A camera model.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraModel {
