@@ -3,7 +3,7 @@
 use tectum_tables::in_order;
 
 /// Bilinear mix of a 2x2 box `[upper left, upper right, lower left, lower right]` with fractions
-/// in Q8 (0..=255), rounded half up. Values up to 16 bits; a constant box stays constant.
+/// in Q8 (0..=255), rounded half up. Values up to 8 bits; a constant box stays constant.
 #[inline(always)]
 pub(crate) fn bilinear(box_2x2: [u32; 4], fraction_q8: [u32; 2]) -> u32 {
     let [a, b, c, d] = box_2x2.map(|v| v as i32);

@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use tectum_optics::{OutputMap, Rig, ViewFormula};
-use tectum_tables::builder::{OutputMapData, RunData, RunsTooLong, TableBuilder};
-use tectum_tables::{ProjectionKind, TableError, Tables};
+use tectum_optics::{OutputMap, Rig};
+use tectum_tables::builder::{RunData, RunsTooLong, TableBuilder};
+use tectum_tables::{TableError, Tables};
 
 use crate::mesh::{FittedMesh, Targets, fit};
-use crate::rays::{eye_rays, quantise, rotation_q30};
+use crate::output_map::{from_table, to_table};
+use crate::rays::eye_rays;
 use crate::seam::{left_weight, row_runs};
 use crate::sights::Sights;
 
@@ -131,8 +132,11 @@ pub enum BakeError {
 /// [`BakeError`]: an option out of range, or no table that meets it.
 pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     check(options)?;
+    // Traced through the table's own numbers, so that rounding them costs no accuracy.
+    let output_map = to_table(&options.output).ok_or(BakeError::OutputMap)?;
+    let output = from_table(&output_map, options.output.size_px);
     // A position off by the allowed error and its rounding must still have its whole box.
-    let sights = Sights::trace(rig, &options.output, options.max_error_px + 1.0 / 128.0);
+    let sights = Sights::trace(rig, &output, options.max_error_px + 1.0 / 128.0);
     let rows = runs(&sights, options.feather_rad);
     let [left, right] = meshes(rig, &sights, &rows, options)?;
     if left.is_none() && right.is_none() {
@@ -148,7 +152,7 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
         rig_fingerprint: rig.fingerprint(),
         mesh: [&left, &right].map(|mesh| mesh.as_ref().map(|m| m.data.clone())),
         rows,
-        output_map: output_map(&options.output).ok_or(BakeError::OutputMap)?,
+        output_map,
         rays: [rays(&rig.left), rays(&rig.right)],
         metadata: String::new(),
     };
@@ -269,21 +273,6 @@ fn total_error(meshes: &[&Option<FittedMesh>]) -> ErrorSummary {
         max: meshes().fold(0.0, |max, m| m.max_error_px.max(max)),
         rms: (squares / pixels.max(1) as f64).sqrt(),
     }
-}
-
-fn output_map(map: &OutputMap) -> Option<OutputMapData> {
-    let axis = |[start, step]: [f64; 2]| Some([quantise(start, 28)?, quantise(step, 28)?]);
-    Some(OutputMapData {
-        kind: match map.formula {
-            ViewFormula::Equirect => ProjectionKind::Equirect,
-            ViewFormula::Cylindrical => ProjectionKind::Cylindrical,
-            ViewFormula::Fisheye => ProjectionKind::Fisheye,
-            ViewFormula::Perspective => ProjectionKind::Perspective,
-        },
-        rotation_q30: rotation_q30(&map.rotation),
-        u_q28: axis(map.u)?,
-        v_q28: axis(map.v)?,
-    })
 }
 
 fn metadata(rig: &Rig, options: &BakeOptions, error: ErrorSummary) -> String {

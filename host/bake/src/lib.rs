@@ -7,6 +7,7 @@ mod bake;
 pub mod convert;
 mod format;
 pub mod mesh;
+mod output_map;
 mod parallel;
 mod rays;
 pub mod reference;
@@ -16,9 +17,10 @@ mod verify;
 
 pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
 pub use format::{Format, Pair, Pass, stitch, stitch_parallel};
+pub use output_map::output_map;
 pub use parallel::stitch_bands;
 pub use sights::{Sight, Sights};
-pub use verify::{FormatResult, PixelError, Verification, VerifyError, output_map, verify};
+pub use verify::{FormatResult, PixelError, Verification, VerifyError, verify};
 
 /// Why frames could not be stitched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

@@ -1,14 +1,14 @@
 //! Proof that a table and the core do what they claim, with numbers.
 
-use nalgebra::{Matrix3, Rotation3};
 use rayon::prelude::*;
 use serde::Serialize;
 use tectum_core::{Eye, Sampler, Tables};
-use tectum_optics::{OutputMap, Rig, RigEye, ViewFormula};
-use tectum_tables::{ProjectionKind, RunKind};
+use tectum_optics::{OutputMap, Rig, RigEye};
+use tectum_tables::RunKind;
 
 use crate::bake::ErrorSummary;
 use crate::convert::from_rgb8;
+use crate::output_map::output_map;
 use crate::reference::{position_q8, quantised};
 use crate::{Format, Pair, Pass, StitchFailure, stitch};
 
@@ -162,27 +162,6 @@ impl ModelPositions<'_> {
         };
         let direction = self.map.ray(x as f64, y as f64)?;
         eye.pixel_of(&direction, self.rig.stitch_distance_m).ok()
-    }
-}
-
-/// The table's own output map, as the host's.
-pub fn output_map(tables: &Tables<'_>) -> OutputMap {
-    let map = tables.output_map();
-    let q28 = |axis: [i32; 2]| axis.map(|v| f64::from(v) / f64::from(1 << 28));
-    let rotation = map
-        .rotation_q30()
-        .map(|v| f64::from(v) / f64::from(1 << 30));
-    OutputMap {
-        size_px: [tables.output_width_px(), tables.output_height_px()],
-        formula: match map.kind() {
-            ProjectionKind::Equirect => ViewFormula::Equirect,
-            ProjectionKind::Cylindrical => ViewFormula::Cylindrical,
-            ProjectionKind::Fisheye => ViewFormula::Fisheye,
-            ProjectionKind::Perspective => ViewFormula::Perspective,
-        },
-        rotation: Rotation3::from_matrix_unchecked(Matrix3::from_row_slice(&rotation)),
-        u: q28(map.u_q28()),
-        v: q28(map.v_q28()),
     }
 }
 

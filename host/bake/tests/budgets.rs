@@ -72,6 +72,10 @@ fn what_cannot_be_met_is_refused_with_what_can() {
         error.contains("step 8 gives") && error.contains("--max-error"),
         "{error}"
     );
+    let coarse = baked(&fish(960), equirect([64, 32]), 1.0)
+        .unwrap_err()
+        .to_string();
+    assert!(coarse.contains("100 source px apart"), "{coarse}");
     assert!(matches!(
         baked(&fish(240), equirect([320, 160]), f64::NAN),
         Err(BakeError::MaxError(_))

@@ -5,7 +5,7 @@
 //! reweighting (Lawson 1961) then trade a little RMS for a lower maximum.
 
 use tectum_tables::builder::MeshData;
-use tectum_tables::{Eye, Mesh, TableError};
+use tectum_tables::{Eye, Mesh};
 
 use super::banded::Banded;
 use super::grid::Grid;
@@ -31,19 +31,30 @@ pub struct FittedMesh {
     pub shown_px: usize,
 }
 
+/// Why the format's integers cannot hold a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum FitError {
+    /// Vertices spread too far for 16 bits with the fewest fraction bits.
+    #[error("its source positions spread over more than 4096 px")]
+    Reach,
+    /// Neighbouring vertices are too far apart for the core's arithmetic.
+    #[error("neighbouring vertices lie more than 100 source px apart")]
+    Jump,
+}
+
 /// Fits a mesh of step 2^`step_log2` to `targets` and quantises it with as many fraction bits as
 /// its vertices allow. Polishes while the error is over `wanted_px` but
 /// near it. `Ok(None)` if no
 /// pixel is shown.
 ///
 /// # Errors
-/// A [`TableError`] if the integers of the format cannot hold such a mesh.
+/// [`FitError`] if the integers of the format cannot hold such a mesh.
 pub fn fit(
     targets: &Targets,
     source_size_px: [u16; 2],
     step_log2: u32,
     wanted_px: f64,
-) -> Result<Option<FittedMesh>, TableError> {
+) -> Result<Option<FittedMesh>, FitError> {
     let Some(grid) = Grid::covering(targets, step_log2) else {
         return Ok(None);
     };
@@ -56,7 +67,8 @@ pub fn fit(
         pull_in(&mut vertices, &held);
         let data = quantise(&grid, &vertices, source_size_px)?;
         let bytes = data.to_bytes();
-        let mesh = Mesh::parse(&bytes, Eye::Left)?;
+        // All else about the mesh is right by construction.
+        let mesh = Mesh::parse(&bytes, Eye::Left).map_err(|_| FitError::Jump)?;
         let errors = errors(&mesh, targets);
         let (max_error_px, rms_error_px) = summary(&errors, shown_px);
         if best
@@ -275,8 +287,7 @@ fn quantise(
     grid: &Grid,
     vertices: &[[f64; 2]],
     source_size_px: [u16; 2],
-) -> Result<MeshData, TableError> {
-    let tag = tectum_tables::Tag::MESH_LEFT;
+) -> Result<MeshData, FitError> {
     let range = |i: usize| {
         vertices
             .iter()
@@ -292,7 +303,7 @@ fn quantise(
     let fraction_bits = (4..=8u8)
         .rev()
         .find(|bits| (reach + 1.0) * f64::from(1u32 << bits) < 32767.0)
-        .ok_or(TableError::Field { tag })?;
+        .ok_or(FitError::Reach)?;
     let scale = f64::from(1u32 << fraction_bits);
     let round = |v: [f64; 2]| {
         [0, 1].map(|i| libm::floor((v[i] - f64::from(origin_px[i])) * scale + 0.5) as i16)

@@ -5,7 +5,7 @@ mod fit;
 mod grid;
 mod targets;
 
-pub use fit::{FittedMesh, fit};
+pub use fit::{FitError, FittedMesh, fit};
 pub use targets::Targets;
 
 #[cfg(test)]

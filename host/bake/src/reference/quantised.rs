@@ -1,5 +1,6 @@
 //! The core's result by definition: f64 on the table's own numbers.
 
+use rayon::prelude::*;
 use tectum_core::{Eye, Sampler, Tables};
 use tectum_tables::RunKind;
 
@@ -17,49 +18,72 @@ pub fn stitch(tables: &Tables<'_>, format: Format, sampler: Sampler, pair: Pair<
         Some(Planes::decode(format, size, bytes))
     };
     let eyes = [decode(Eye::Left, pair.left), decode(Eye::Right, pair.right)];
-    let size = [tables.output_width_px(), tables.output_height_px()].map(usize::from);
-    let blank = vec![0; size[0] * size[1] * format.bytes_per_pixel()];
-    let mut out = Planes::decode(format, size, &blank);
-    for y in 0..size[1] {
-        for run in tables.runs(y as u16) {
-            let mut ramp = match run.kind {
-                RunKind::Blend(ramp) => Some(ramp),
-                _ => None,
-            };
-            for x in run.start as usize..(run.start + run.len) as usize {
-                for (channel, (width, plane)) in out.planes.iter_mut().enumerate() {
-                    let Some(i) = plane_index(x, y, *width, size[0]) else {
-                        continue;
-                    };
-                    let sample = |eye: Eye| {
-                        let planes = eyes[eye as usize].as_ref().expect("runs show known eyes");
-                        let at = position_q8(tables, eye, x, y).expect("runs lie in the mesh");
-                        sample(planes, channel, at, sampler)
-                    };
-                    plane[i] = match run.kind {
-                        RunKind::Void => background(format, channel),
-                        RunKind::Left => sample(Eye::Left),
-                        RunKind::Right => sample(Eye::Right),
-                        RunKind::Blend(_) => {
-                            let w = ramp.map_or(0.0, |r| f64::from(r.left_weight()) / 256.0);
-                            round(w * sample(Eye::Left) + (1.0 - w) * sample(Eye::Right))
-                        }
-                    };
-                }
-                if let Some(ramp) = &mut ramp {
-                    ramp.step();
-                }
+    let height = tables.output_height_px();
+    let rows = (0..height)
+        .into_par_iter()
+        .map(|y| row(tables, &eyes, format, sampler, usize::from(y)));
+    let bytes: Vec<Vec<u8>> = rows.map(|row| row.encode(format)).collect();
+    bytes.concat()
+}
+
+fn row(
+    tables: &Tables<'_>,
+    eyes: &[Option<Planes>; 2],
+    format: Format,
+    sampler: Sampler,
+    y: usize,
+) -> Planes {
+    let width = usize::from(tables.output_width_px());
+    let blank = vec![0; width * format.bytes_per_pixel()];
+    let mut out = Planes::decode(format, [width, 1], &blank);
+    for run in tables.runs(y as u16) {
+        let mut ramp = match run.kind {
+            RunKind::Blend(ramp) => Some(ramp),
+            _ => None,
+        };
+        let shown: &[Eye] = match run.kind {
+            RunKind::Void => &[],
+            RunKind::Left => &[Eye::Left],
+            RunKind::Right => &[Eye::Right],
+            RunKind::Blend(_) => &Eye::BOTH,
+        };
+        for x in run.start as usize..(run.start + run.len) as usize {
+            let positions = Eye::BOTH.map(|eye| {
+                let position = || position_q8(tables, eye, x, y).expect("runs lie in the mesh");
+                shown.contains(&eye).then(position)
+            });
+            for (channel, (plane_width, plane)) in out.planes.iter_mut().enumerate() {
+                let Some(i) = plane_index(x, *plane_width, width) else {
+                    continue;
+                };
+                let value = |eye: Eye| {
+                    let planes = eyes[eye as usize].as_ref().expect("runs show known eyes");
+                    let at = positions[eye as usize].expect("asked for where it is shown");
+                    sample(planes, channel, at, sampler)
+                };
+                plane[i] = match run.kind {
+                    RunKind::Void => background(format, channel),
+                    RunKind::Left => value(Eye::Left),
+                    RunKind::Right => value(Eye::Right),
+                    RunKind::Blend(_) => {
+                        let w = ramp.map_or(0.0, |r| f64::from(r.left_weight()) / 256.0);
+                        round(w * value(Eye::Left) + (1.0 - w) * value(Eye::Right))
+                    }
+                };
+            }
+            if let Some(ramp) = &mut ramp {
+                ramp.step();
             }
         }
     }
-    out.encode(format)
+    out
 }
 
-/// Where output pixel (x, y) lies in a plane; `None` if this pixel does not set it (the odd
+/// Where column x of a row lies in a plane of it; `None` if this pixel does not set it (the odd
 /// pixel of a pair has no chroma of its own).
-fn plane_index(x: usize, y: usize, plane_width: usize, width: usize) -> Option<usize> {
+fn plane_index(x: usize, plane_width: usize, width: usize) -> Option<usize> {
     let step = width / plane_width;
-    x.is_multiple_of(step).then(|| y * plane_width + x / step)
+    x.is_multiple_of(step).then_some(x / step)
 }
 
 fn background(format: Format, channel: usize) -> f64 {
