@@ -1,9 +1,12 @@
 //! Real rigs and real pictures: tables within budget, no byte off, geometry as published.
 
+use std::path::Path;
+
 use nalgebra::Vector3;
 use tectum_bake::{BakeOptions, Baked, Format, Pair, Pass, bake, stitch, verify};
 use tectum_core::{Eye, Sampler, StitchError, Tables};
 use tectum_optics::convention::angle_between;
+use tectum_optics::io::ocam_calib::OcamCalib;
 use tectum_optics::{Pose, Projection, Rig};
 use tectum_tests::{baked_folder, data, frame, luma, picture, rig, rig_files, rng};
 
@@ -134,36 +137,99 @@ fn no_byte_is_off_on_real_pictures() {
     }
 }
 
-#[test]
-fn one_eye_of_each_published_calibration_equals_direct_projection() {
-    let Some(folder) = data("rig220-sweepnet") else {
-        return;
+/// A published calibration of one eye: its name, the rig file of that eye alone, a picture.
+struct OneEye {
+    name: String,
+    rig: String,
+    picture: std::path::PathBuf,
+}
+
+fn one_eye(name: String, size_px: [u16; 2], field_deg: f64, lens: &str, picture: &Path) -> OneEye {
+    let rig = format!(
+        "name = '{name}'\nmedium = 'air'\nstitch_distance_m = inf\n[left]\nsize_px = {size_px:?}\n\
+         field_deg = {field_deg}\npose = {{ yaw_deg = 10.0, pitch_deg = 5.0 }}\n[left.lens]\n{lens}"
+    );
+    OneEye {
+        name,
+        rig,
+        picture: picture.to_owned(),
+    }
+}
+
+/// SweepNet's four eyes and OCamCalib's Ladybug.
+fn published_ocam() -> Vec<OneEye> {
+    let (Some(sweepnet), Some(ladybug)) = (data("rig220-sweepnet"), data("ocam-ladybug")) else {
+        return Vec::new();
     };
-    let ladybug = data("ocam-ladybug").expect("data sets come together");
-    let mut calibrations: Vec<_> = (1..=4)
+    let mut files: Vec<_> = (1..=4)
         .map(|i| {
-            let image = folder.join(format!("cam{i}/00002.png"));
-            (folder.join(format!("ocam{i}.txt")), image, 220.0)
+            let picture = sweepnet.join(format!("cam{i}/00002.png"));
+            (sweepnet.join(format!("ocam{i}.txt")), picture, 220.0)
         })
         .collect();
-    calibrations.push((
-        ladybug.join("calib_results_fisheye.txt"),
-        ladybug.join("images/Ladybug1.jpg"),
-        150.0,
-    ));
+    let picture = ladybug.join("images/Ladybug1.jpg");
+    files.push((ladybug.join("calib_results_fisheye.txt"), picture, 150.0));
+    files
+        .into_iter()
+        .map(|(file, picture, field_deg)| {
+            let text = std::fs::read_to_string(&file).expect("readable");
+            let calib = OcamCalib::parse(&text).expect("published");
+            let lens = format!(
+                "model = 'ocam'\ndirect = {:?}\ncentre_row_column = {:?}\naffine = {:?}\n",
+                calib.polynomial, calib.centre_row_column_px, calib.affine
+            );
+            let name = file
+                .file_name()
+                .expect("a file")
+                .to_string_lossy()
+                .into_owned();
+            one_eye(name, calib.size_px, field_deg, &lens, &picture)
+        })
+        .collect()
+}
+
+/// The four eyes of a car, in OpenCV's fisheye model.
+fn published_opencv() -> Vec<OneEye> {
+    let Some(folder) = data("svs-fisheye-dyfcalid") else {
+        return Vec::new();
+    };
+    let folder = folder.join("surround");
+    let text = std::fs::read_to_string(folder.join("published_K_D_H.json")).expect("readable");
+    let eyes: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    ["front", "back", "left", "right"]
+        .into_iter()
+        .map(|name| {
+            let (k, d) = (&eyes[name]["K"], &eyes[name]["D"]);
+            let distortion: Vec<&serde_json::Value> = (0..4).map(|i| &d[i][0]).collect();
+            let lens = format!(
+                "model = 'kannala_brandt'\nfocal_px = [{}, {}]\ncentre_px = [{}, {}]\n\
+                 distortion = [{}, {}, {}, {}]\n",
+                k[0][0],
+                k[1][1],
+                k[0][2],
+                k[1][2],
+                distortion[0],
+                distortion[1],
+                distortion[2],
+                distortion[3]
+            );
+            let picture = folder.join(name).with_extension("jpg");
+            one_eye(format!("car {name}"), [1280, 1024], 190.0, &lens, &picture)
+        })
+        .collect()
+}
+
+#[test]
+fn one_eye_of_each_published_calibration_equals_direct_projection() {
     let ahead = Pose::axis_rotation(0.3, -0.2, 0.1) * Pose::axis_rotation(0.0, 0.0, 0.0).inverse();
-    for (file, image, field_deg) in calibrations {
-        let text = std::fs::read_to_string(&file).expect("readable");
-        let calib = tectum_optics::io::ocam_calib::OcamCalib::parse(&text).expect("published");
-        let rig = format!(
-            "name = 'one eye'\nmedium = 'air'\nstitch_distance_m = inf\n[left]\n\
-             size_px = {:?}\nfield_deg = {field_deg}\n\
-             pose = {{ yaw_deg = 10.0, pitch_deg = 5.0 }}\n[left.lens]\nmodel = 'ocam'\n\
-             direct = {:?}\ncentre_row_column = {:?}\naffine = {:?}\n",
-            calib.size_px, calib.polynomial, calib.centre_row_column_px, calib.affine
-        );
-        let rig = Rig::from_toml(&rig, "one eye").unwrap_or_else(|error| panic!("{error}"));
-        let (rgb, _) = picture(&image);
+    for OneEye {
+        name,
+        rig,
+        picture: file,
+    } in published_ocam().into_iter().chain(published_opencv())
+    {
+        let rig = Rig::from_toml(&rig, &name).unwrap_or_else(|error| panic!("{error}"));
+        let (rgb, _) = picture(&file);
         for projection in [
             Projection::Equirect,
             Projection::Perspective {
@@ -171,7 +237,7 @@ fn one_eye_of_each_published_calibration_equals_direct_projection() {
                 width_rad: 1.6,
             },
         ] {
-            let bytes = baked(&rig, projection, [640, 320]).bytes;
+            let bytes = baked(&rig, projection, [960, 480]).bytes;
             let tables = Tables::parse(&bytes).expect("proven when baked");
             let pair = Pair {
                 left: &rgb,
@@ -179,7 +245,7 @@ fn one_eye_of_each_published_calibration_equals_direct_projection() {
             };
             let result = verify(&tables, Some(&rig), pair).expect("the picture fits");
             let pixels = result.pixel_error_lsb.expect("a rig was given");
-            println!("{}: luma off by {pixels:?}", file.display());
+            println!("{name}: luma off by {pixels:?}");
             assert_eq!(result.mismatches, 0);
             assert!(
                 pixels.max <= PIXEL_LIMIT_LSB && pixels.mean < 0.6,
