@@ -1,7 +1,8 @@
 //! Rig to tables, reference stitchers and verification.
 //!
 //! [`bake()`] turns a rig and an output into a table with the coarsest mesh that meets an error;
-//! [`reference`](mod@reference) holds the slow stitchers that prove it; [`stitch`] runs the core on whole pictures.
+//! [`reference`](mod@reference) holds the slow stitchers that prove it; [`stitch`] runs the core on
+//! whole pictures.
 
 mod bake;
 pub mod convert;
