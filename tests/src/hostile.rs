@@ -1,45 +1,71 @@
-//! Runs tables that nobody vouches for.
+//! Runs tables that nobody vouches for. Needs the core alone: the fuzz target builds this file, too.
 
-use tectum_bake::{Format, Pair, Pass, stitch};
-use tectum_core::{Eye, Lookup, Sampler, TableError, Tables};
+use tectum_core::{
+    Eye, Frame, Gray8, Lookup, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher, TableError, Tables,
+    Yuyv,
+};
 
 /// Parses `bytes`; a table that parses is run in every format and sampler over frames of exactly
 /// the size it states, and asked for directions. Nothing of that may panic. Tables with an output
-/// over a million pixels are only parsed.
+/// or a source over a million pixels are only parsed.
 ///
 /// # Errors
 /// What [`Tables::parse`] says.
 pub fn parse_and_run(bytes: &[u8]) -> Result<(), TableError> {
     let tables = Tables::parse(bytes)?;
-    let size = [tables.output_width_px(), tables.output_height_px()].map(usize::from);
-    let [left, right] = Eye::BOTH.map(|eye| tables.source_size_px(eye).unwrap_or_default());
-    let pixels = |[w, h]: [u16; 2]| usize::from(w) * usize::from(h);
-    if [size[0] * size[1], pixels(left), pixels(right)]
-        .iter()
-        .any(|n| *n > 1_000_000)
+    let output = [tables.output_width_px(), tables.output_height_px()];
+    // An eye that the table does not show may be any frame.
+    let sources = Eye::BOTH.map(|eye| tables.source_size_px(eye).unwrap_or([2, 2]));
+    let [left, right] = sources;
+    if [output, left, right]
+        .into_iter()
+        .any(|size| pixels(size) > 1_000_000)
     {
         return Ok(());
     }
-    for format in Format::ALL {
-        let frame = |size| vec![1; pixels(size) * format.bytes_per_pixel()];
-        let (left, right) = (frame(left), frame(right));
-        for sampler in [Sampler::Nearest, Sampler::Bilinear] {
-            let pair = Pair {
-                left: &left,
-                right: &right,
-            };
-            // Formats that do not fit the sizes are refused, which is fine.
-            let _ = stitch(&tables, format, sampler, Pass::Both, pair);
-        }
-    }
+    run::<Gray8>(&tables, sources);
+    run::<Rgb565>(&tables, sources);
+    run::<Yuyv>(&tables, sources);
+    run::<Rgb8>(&tables, sources);
     let lookup = Lookup::new(&tables);
     for pixel in [[0, 0], [i32::MIN, i32::MAX], [12_345, 678], [-128, -128]] {
-        let direction: tectum_core::Direction =
-            lookup.direction_of_pixel(pixel).unwrap_or_default();
+        let direction = lookup.direction_of_pixel(pixel).unwrap_or_default();
         let _ = lookup.pixel_of_direction(direction);
         for eye in Eye::BOTH {
             let _ = lookup.direction_of_eye_pixel(eye, pixel);
         }
     }
     Ok(())
+}
+
+fn pixels([width, height]: [u16; 2]) -> usize {
+    usize::from(width) * usize::from(height)
+}
+
+/// Stitches a picture both ways. Formats that do not fit the sizes are refused, which is fine.
+fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
+    let data = sources.map(|size| vec![1; pixels(size) * F::BYTES_PER_PIXEL]);
+    let frame = |i: usize| {
+        let [width, height] = sources[i];
+        Frame::<F>::new(
+            &data[i],
+            width,
+            height,
+            usize::from(width) * F::BYTES_PER_PIXEL,
+        )
+    };
+    let (Ok(left), Ok(right)) = (frame(0), frame(1)) else {
+        return;
+    };
+    for sampler in [Sampler::Nearest, Sampler::Bilinear] {
+        let Ok(stitcher) = Stitcher::new(tables, sampler) else {
+            return;
+        };
+        let mut row = vec![0; stitcher.row_bytes()];
+        for y in 0..tables.output_height_px() {
+            let _ = stitcher.row(&left, &right, y, &mut row);
+            let _ = stitcher.left_row(&left, y, &mut row);
+            let _ = stitcher.right_row(&right, y, &mut row);
+        }
+    }
 }
