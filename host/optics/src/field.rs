@@ -118,16 +118,7 @@ impl Eye {
         if seen(field) {
             return field;
         }
-        let (mut low, mut high) = (0.0, field);
-        while high - low > 1e-9 {
-            let middle = (low + high) / 2.0;
-            if seen(middle) {
-                low = middle
-            } else {
-                high = middle
-            }
-        }
-        low
+        last_true(seen, field, 1e-9)
     }
 
     /// The half-angle at which the camera model ends **on the sensor**, inside the field that the
@@ -153,16 +144,7 @@ impl Eye {
         if answers(claimed_rad) {
             return None;
         }
-        let (mut low, mut high) = (0.0, claimed_rad);
-        while high - low > 1e-6 {
-            let middle = (low + high) / 2.0;
-            if answers(middle) {
-                low = middle
-            } else {
-                high = middle
-            }
-        }
-        Some(low)
+        Some(last_true(answers, claimed_rad, 1e-6))
     }
 
     fn check_field(&self, ray: &Vector3<f64>) -> Result<(), SightError> {
@@ -185,6 +167,20 @@ impl Eye {
             Err(SightError::OffSensor)
         }
     }
+}
+
+/// Where `f`, true at 0 and false at `end`, turns false: by bisection, to `tolerance`, from below.
+fn last_true(f: impl Fn(f64) -> bool, end: f64, tolerance: f64) -> f64 {
+    let (mut low, mut high) = (0.0, end);
+    while high - low > tolerance {
+        let middle = (low + high) / 2.0;
+        if f(middle) {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    low
 }
 
 /// Unit ray `theta_rad` off the axis in the direction of `azimuth_rad`.
