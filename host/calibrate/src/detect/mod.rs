@@ -1,0 +1,1 @@
+//! Corners and markers in pictures.

@@ -1,0 +1,13 @@
+//! From a printed board to a calibrated eye.
+//!
+//! [`detect`] finds the inner corners of a chessboard in strongly distorted pictures, [`solve`]
+//! turns them into a camera model with standard errors, [`target`] prints what is photographed.
+
+mod board;
+mod calibration;
+pub mod detect;
+pub mod solve;
+pub mod target;
+
+pub use board::{Board, BoardSize, BoardSizeError, Corner, View};
+pub use calibration::{BoardPose, Calibration, CornerFit, ModelScore, Parameter, Rejection, ViewFit};

@@ -1,0 +1,1 @@
+//! From labelled corners to a camera model.
