@@ -6,6 +6,7 @@
 mod board;
 mod calibration;
 pub mod detect;
+pub mod report;
 pub mod solve;
 pub mod target;
 

@@ -1,0 +1,94 @@
+//! The calibration report: one HTML file with all its pictures inside, for screen and print.
+
+pub mod coverage;
+mod coverage_map;
+mod facts;
+mod head;
+mod heat;
+mod image_circle;
+mod map;
+mod models;
+mod picture;
+mod pictures;
+mod plot;
+mod radial;
+mod residuals;
+#[cfg(test)]
+mod sample;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod uncertainty;
+mod vectors;
+pub mod verdict;
+
+use std::fmt;
+
+use image::GrayImage;
+use tectum_optics::Medium;
+
+use crate::{Board, Calibration, View};
+
+use facts::Facts;
+
+/// Everything that a report shows.
+#[derive(Clone, Copy)]
+pub struct ReportInput<'a> {
+    /// Name of the eye, such as `left`.
+    pub eye: &'a str,
+    /// The calibration.
+    pub calibration: &'a Calibration,
+    /// The board in the pictures.
+    pub board: Board,
+    /// Medium in which the pictures were taken.
+    pub medium: Medium,
+    /// Half-angle of the lens's field as the maker states it, rad; `None`: measured from the dark
+    /// rim of the pictures, and where they have none, as far as the sensor reaches.
+    pub half_field_rad: Option<f64>,
+    /// By picture, in the order of the calibration's views.
+    pub views: &'a [ReportView<'a>],
+    /// Standard error of the direction of a pixel `[x, y]`, rad; `None` outside the model.
+    pub angular_sigma_rad: &'a dyn Fn([f64; 2]) -> Option<f64>,
+}
+
+impl fmt::Debug for ReportInput<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ReportInput")
+            .field("eye", &self.eye)
+            .field("views", &self.views.len())
+            .finish_non_exhaustive()
+    }
+}
+
+/// One picture of the session.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportView<'a> {
+    /// Name of the file.
+    pub file: &'a str,
+    /// The picture, if it is to be shown.
+    pub picture: Option<&'a GrayImage>,
+    /// Corners found in it.
+    pub view: &'a View,
+}
+
+/// The report as an HTML page that needs no other file and no network.
+pub fn html(input: &ReportInput) -> String {
+    let facts = Facts::new(input);
+    let title = format!("Calibration of eye {}", svg::escape(input.eye));
+    let sections = [
+        head::html(&facts),
+        coverage_map::html(&facts),
+        residuals::html(&facts),
+        radial::html(&facts),
+        uncertainty::html(&facts),
+        models::html(&facts),
+        pictures::html(&facts),
+    ];
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width\"><title>Tectum: {title}</title>\
+         <style>{style}</style></head>\n<body>\n{body}</body>\n</html>\n",
+        style = include_str!("style.css"),
+        body = sections.concat(),
+    )
+}
