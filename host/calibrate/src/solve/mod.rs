@@ -1,1 +1,166 @@
 //! From labelled corners to a camera model.
+//!
+//! A linear start (Scaramuzza, Martinelli & Siegwart 2006) leads to a joint refinement of lens
+//! and poses; bad corners and bad views are left out; the degree of the polynomial is chosen on
+//! views that took no part in the fit.
+
+mod angular;
+mod bundle;
+mod check;
+mod choice;
+mod error;
+mod finish;
+mod fit;
+mod lens;
+mod linear;
+mod pose;
+mod sight;
+mod start;
+
+use rayon::prelude::*;
+
+use crate::{Board, Calibration, View};
+pub use angular::AngularUncertainty;
+use choice::Candidate;
+pub use error::CalibrateError;
+use fit::{Fit, MIN_CORNERS, Part};
+use lens::{DoubleSphereLens, KannalaBrandtLens, Lens, OcamLens};
+use sight::Sight;
+
+/// Corners to calibrate from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// Width and height of the pictures, px.
+    pub size_px: [u32; 2],
+    /// The board.
+    pub board: Board,
+    /// What each picture shows of it.
+    pub views: Vec<View>,
+}
+
+/// A camera model that can be fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Model {
+    /// Polynomial of OCamCalib.
+    #[default]
+    Ocam,
+    /// OpenCV's fisheye model.
+    KannalaBrandt,
+    /// Double sphere.
+    DoubleSphere,
+}
+
+/// What is wanted of a calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Model of the result; the others are scored beside it.
+    pub model: Model,
+    /// Degree of the polynomial, 2 to 11; `None`: chosen on held-out views.
+    pub degree: Option<usize>,
+    /// Radius of the lens's image circle about its centre, px: the polynomial must be a lens up to
+    /// there. `None`: up to a little beyond the farthest corner.
+    pub image_circle_px: Option<f64>,
+    /// Labels may run against the picture's handedness, as some detectors' do. Otherwise boards
+    /// seen from behind mean mirrored pictures, which are refused.
+    pub mirrored_labels: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            model: Model::Ocam,
+            degree: None,
+            image_circle_px: None,
+            mirrored_labels: false,
+        }
+    }
+}
+
+/// Fewest views of a calibration.
+const MIN_VIEWS: usize = 3;
+/// Degrees that are tried.
+const DEGREES: std::ops::RangeInclusive<usize> = 2..=9;
+/// Degree of the flexible polynomial that bad corners are found with, and how many views it needs.
+const CLEANING: (usize, usize) = (6, 6);
+/// Robust standard deviation beyond which nothing fits, as a share of the picture's diagonal.
+const WORST_SIGMA: f64 = 0.005;
+
+/// Calibrates a camera.
+///
+/// # Errors
+/// [`CalibrateError`] if the input is none, or fixes no camera.
+pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, CalibrateError> {
+    check::input(problem, options)?;
+    let sights: Vec<Sight> = problem.views.iter().map(Sight::new).collect();
+    let usable: Vec<Sight> = sights
+        .iter()
+        .filter(|sight| sight.count() >= MIN_CORNERS)
+        .cloned()
+        .collect();
+    if usable.len() < MIN_VIEWS {
+        return Err(CalibrateError::TooFewViews {
+            usable: usable.len(),
+            given: problem.views.len(),
+            needed: MIN_VIEWS,
+        });
+    }
+    check::coverage(&usable, problem.size_px)?;
+    let given = usable.len();
+    let no_fit = |fitting| CalibrateError::NoFit { fitting, given };
+    let (lens, base) = base(usable, problem.size_px).ok_or(no_fit(0))?;
+    let fitting = base.parts.iter().filter(|part| part.active).count();
+    let diagonal = libm::hypot(problem.size_px[0].into(), problem.size_px[1].into());
+    if fitting < MIN_VIEWS || 2 * fitting < given || base.sigma_px > WORST_SIGMA * diagonal {
+        return Err(no_fit(fitting));
+    }
+    check::handedness(&base, options)?;
+    let families = families(&lens, options);
+    let candidates: Vec<Candidate<'_>> = families
+        .par_iter()
+        .map(|family| Candidate::new(family.as_ref(), &lens, &base, problem.size_px, options))
+        .collect();
+    let chosen = choice::choose(&candidates, options.model).ok_or(CalibrateError::Singular)?;
+    finish::calibration(problem, sights, &candidates, chosen)
+}
+
+/// A fit with a flexible polynomial, bad corners and views marked.
+fn base(sights: Vec<Sight>, size_px: [u32; 2]) -> Option<(OcamLens, Fit)> {
+    let start = start::find(&sights, size_px)?;
+    let degree = if sights.len() < CLEANING.1 {
+        start::DEGREE
+    } else {
+        CLEANING.0
+    };
+    let parts = sights.into_iter().zip(&start.poses).map(|(sight, pose)| Part {
+        sight,
+        pose: *pose,
+        active: pose.is_some(),
+    });
+    let fit = Fit {
+        p: start.p,
+        parts: parts.collect(),
+        sigma_px: 1.0,
+    };
+    let flexible = start.lens.with(degree, true);
+    let p = flexible.from_profile([fit.p[0], fit.p[1]], &choice::profile(&start.lens, &fit))?;
+    let fit = Fit { p, ..fit }.cleaned(&flexible)?;
+    Some((flexible, fit))
+}
+
+/// All families that are tried, simplest first.
+fn families(lens: &OcamLens, options: &Options) -> Vec<Box<dyn Lens>> {
+    let degrees = match options.degree {
+        Some(degree) => {
+            let degree = degree.clamp(*OcamLens::DEGREES.start(), *OcamLens::DEGREES.end());
+            degree..=degree
+        }
+        None => DEGREES,
+    };
+    let ocam = degrees.flat_map(|degree| [lens.with(degree, false), lens.with(degree, true)]);
+    let mut families: Vec<Box<dyn Lens>> = Vec::new();
+    families.extend(ocam.map(|lens| Box::new(lens) as Box<dyn Lens>));
+    families.sort_by_key(|lens| lens.count());
+    families.push(Box::new(KannalaBrandtLens));
+    families.push(Box::new(DoubleSphereLens));
+    families
+}

@@ -1,0 +1,181 @@
+//! Which lens family and degree the corners prefer: fits that are judged on held-out views.
+
+use rayon::prelude::*;
+use tectum_optics::CameraModel;
+
+use super::bundle::{Bundle, refine_pose};
+use super::fit::{Fit, square_sum};
+use super::lens::{Lens, OcamLens};
+use super::sight::{Pose, Sight};
+use super::{Model, Options};
+
+/// Most parts that the views are split into.
+const FOLDS: usize = 10;
+/// Fewest views that leave something to fit when some are held out.
+const MIN_VIEWS: usize = 4;
+
+/// A family fitted to all views and judged.
+#[derive(Debug)]
+pub struct Candidate<'a> {
+    /// The family.
+    pub lens: &'a dyn Lens,
+    /// Fit to all active views.
+    pub fit: Option<Fit>,
+    /// Squared residual of each active view when it was held out, px^2 a corner.
+    pub held_out: Option<Vec<f64>>,
+    /// The camera, or why it is none that can be chosen.
+    pub camera: Result<CameraModel, String>,
+}
+
+impl<'a> Candidate<'a> {
+    /// Fits and judges a family, from a polynomial's fit with all marks made.
+    pub fn new(
+        lens: &'a dyn Lens,
+        base_lens: &OcamLens,
+        base: &Fit,
+        size_px: [u32; 2],
+        options: &Options,
+    ) -> Self {
+        let start = lens.from_profile([base.p[0], base.p[1]], &profile(base_lens, base));
+        let fit = start.and_then(|p| base.refined(lens, p, 100));
+        let camera = match &fit {
+            None => Err("no fit".into()),
+            Some(fit) => camera(lens, fit, size_px, options),
+        };
+        let held_out = fit.as_ref().and_then(|fit| held_out(lens, fit));
+        Self {
+            lens,
+            fit,
+            held_out,
+            camera,
+        }
+    }
+}
+
+/// The polynomial must be a lens this far beyond the farthest corner where no image circle is
+/// stated.
+const BEYOND: f64 = 1.1;
+
+/// The camera of a fit, if it is a lens over the whole image circle.
+pub fn camera(
+    lens: &dyn Lens,
+    fit: &Fit,
+    size_px: [u32; 2],
+    options: &Options,
+) -> Result<CameraModel, String> {
+    let [x, y] = [0, 1].map(|k| f64::max(fit.p[k], f64::from(size_px[k]) - 1.0 - fit.p[k]));
+    let picture = libm::hypot(x, y);
+    let camera = lens.camera(&fit.p, picture).map_err(|error| error.to_string())?;
+    let needed = options.image_circle_px.unwrap_or(BEYOND * reach_px(fit));
+    match &camera {
+        CameraModel::Ocam(ocam) if ocam.max_rho_px() < needed.min(picture) => Err(format!(
+            "folds at {:.0} px from its centre, needed are {needed:.0} px",
+            ocam.max_rho_px()
+        )),
+        _ => Ok(camera),
+    }
+}
+
+/// Angles off axis of a fit's lens from its centre to its farthest corner.
+pub fn profile(lens: &OcamLens, fit: &Fit) -> Vec<[f64; 2]> {
+    let reach = reach_px(fit);
+    let radii = (1..=100).map(|i| reach * f64::from(i) / 100.0);
+    let angles = radii.filter_map(|rho| {
+        let ray = lens.unproject(&fit.p, [fit.p[0] + rho, fit.p[1]])?;
+        Some([rho, libm::atan2(libm::hypot(ray.x, ray.y), ray.z)])
+    });
+    angles.collect()
+}
+
+/// Distance of the farthest corner in use from the centre, px.
+pub fn reach_px(fit: &Fit) -> f64 {
+    let active = fit.parts.iter().filter(|part| part.active);
+    let used = active.flat_map(|part| part.sight.used());
+    used.map(|target| libm::hypot(target.pixel.x - fit.p[0], target.pixel.y - fit.p[1]))
+        .fold(0.0, f64::max)
+}
+
+impl Candidate<'_> {
+    /// 2-D RMS over held-out views, px.
+    pub fn held_out_rms_px(&self) -> Option<f64> {
+        let each = self.held_out.as_ref()?;
+        Some((each.iter().sum::<f64>() / each.len() as f64).sqrt())
+    }
+}
+
+/// Mean squared residual of each view with a lens from the other folds' views; `None` where there
+/// are too few views or a fit fails.
+pub fn held_out(lens: &dyn Lens, fit: &Fit) -> Option<Vec<f64>> {
+    let (sights, poses) = fit.active();
+    if sights.len() < MIN_VIEWS {
+        return None;
+    }
+    let folds = sights.len().min(std::env::var("FOLDS").ok().and_then(|f| f.parse().ok()).unwrap_or(FOLDS));
+    let of_fold = |fold: usize| -> Option<Vec<(usize, f64)>> {
+        let pick = |out: bool| -> (Vec<Sight>, Vec<Pose>) {
+            let all = sights.iter().zip(&poses).enumerate();
+            all.filter(|(i, _)| (i % folds == fold) == out)
+                .map(|(_, (sight, pose))| (sight.clone(), *pose))
+                .unzip()
+        };
+        let (sights_in, poses_in) = pick(false);
+        let bundle = Bundle {
+            lens,
+            sights: &sights_in,
+            loss: fit.loss(),
+        };
+        let state = bundle.refine(fit.p.clone(), poses_in, 30)?;
+        let (sights_out, poses_out) = pick(true);
+        let views = sights_out.iter().zip(poses_out).enumerate();
+        let errors = views.map(|(k, (sight, start))| {
+            let pose = refine_pose(lens, &state.lens, start, sight, fit.loss(), 30).0;
+            let one = std::slice::from_ref(sight);
+            let (sum, count) = square_sum(lens, &state.lens, one, &[pose]);
+            (fold + k * folds, sum / count as f64)
+        });
+        Some(errors.collect())
+    };
+    let folds: Option<Vec<Vec<(usize, f64)>>> = (0..folds).into_par_iter().map(of_fold).collect();
+    let mut all: Vec<(usize, f64)> = folds?.into_iter().flatten().collect();
+    all.sort_by_key(|(view, _)| *view);
+    Some(all.into_iter().map(|(_, error)| error).collect())
+}
+
+/// Index of the candidate that the result is made of: for the polynomial the simplest one that is
+/// not significantly worse than the best, that is whose views' mean excess over the best one's is
+/// within one standard error (Breiman et al. 1984). Candidates come simplest first.
+pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
+    let wanted: Vec<usize> = (0..candidates.len())
+        .filter(|i| candidates[*i].camera.as_ref().is_ok_and(|camera| is(camera, model)))
+        .collect();
+    let score = |i: &usize| candidates[*i].held_out_rms_px().unwrap_or(f64::INFINITY);
+    let best = *wanted.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
+    let Some(least) = &candidates[best].held_out else {
+        // Too few views to hold any out: what OCamCalib takes, or the simplest.
+        let default = wanted.iter().find(|i| candidates[**i].lens.count() >= FEW_VIEWS_PARAMETERS);
+        return default.or(wanted.last()).copied();
+    };
+    let good = wanted.iter().find(|i| {
+        let Some(errors) = &candidates[**i].held_out else {
+            return false;
+        };
+        let excess: Vec<f64> = errors.iter().zip(least).map(|(a, b)| a - b).collect();
+        let n = excess.len() as f64;
+        let mean = excess.iter().sum::<f64>() / n;
+        let spread: f64 = excess.iter().map(|e| (e - mean) * (e - mean)).sum();
+        let k = std::env::var("KSE").ok().and_then(|f| f.parse().ok()).unwrap_or(1.0);
+        mean <= k * (spread / (n * (n - 1.0))).sqrt()
+    });
+    good.copied()
+}
+
+/// Parameters of a polynomial of degree 4 without skew.
+const FEW_VIEWS_PARAMETERS: usize = 7;
+
+fn is(camera: &CameraModel, model: Model) -> bool {
+    match model {
+        Model::Ocam => matches!(camera, CameraModel::Ocam(_)),
+        Model::KannalaBrandt => matches!(camera, CameraModel::KannalaBrandt(_)),
+        Model::DoubleSphere => matches!(camera, CameraModel::DoubleSphere(_)),
+    }
+}
