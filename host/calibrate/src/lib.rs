@@ -7,6 +7,7 @@ mod board;
 mod calibration;
 pub mod detect;
 pub mod report;
+pub mod session;
 pub mod solve;
 pub mod target;
 

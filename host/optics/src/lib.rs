@@ -17,4 +17,4 @@ pub use camera::{CameraModel, ModelError};
 pub use field::{Eye, Field, FieldError, SightError};
 pub use pose::{Pose, Side};
 pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
-pub use rig::{Medium, Rig, RigError, RigEye};
+pub use rig::{CalibratedEye, Medium, Provenance, Rig, RigError, RigEye};

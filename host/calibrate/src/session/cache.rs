@@ -97,14 +97,20 @@ impl Entry {
         let corners = self.found.board.iter().flat_map(|view| &view.corners);
         let mut labels = HashSet::new();
         let corners_sound = corners.clone().all(|corner| {
-            let on_board = self.key.wanted.board.is_some_and(|board| {
-                corner.i < board.columns && corner.j < board.rows
-            });
+            let on_board = self
+                .key
+                .wanted
+                .board
+                .is_some_and(|board| corner.i < board.columns && corner.j < board.rows);
             let [x, y] = corner.position_px;
             let numbers = [x, y, corner.sigma_px].iter().all(|v| v.is_finite());
             on_board && numbers && labels.insert((corner.i, corner.j))
         });
-        let mut marker_px = self.found.markers.iter().flat_map(|marker| &marker.corners_px);
+        let mut marker_px = self
+            .found
+            .markers
+            .iter()
+            .flat_map(|marker| &marker.corners_px);
         corners_sound && marker_px.all(|px| px.iter().all(|v| v.is_finite()))
     }
 }

@@ -154,7 +154,10 @@ mod tests {
         views.push(view([300.0, 200.0], 3, 4));
         views.push(view([200.0, 200.0], 2, 3));
         let message = check(&views).unwrap_err().to_string();
-        assert!(message.contains("3 of 4 boards") && message.contains("--board 4x3"), "{message}");
+        assert!(
+            message.contains("3 of 4 boards") && message.contains("--board 4x3"),
+            "{message}"
+        );
         // One board that reaches farther proves that the others are parts.
         views.push(view([100.0, 100.0], 5, 3));
         assert_eq!(check(&views), Ok(()));

@@ -79,9 +79,9 @@ fn last_number(file: &Path) -> Option<String> {
     let stem = stem(file)?;
     let upto = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
     let digits = &stem[..upto];
-    let from = digits
-        .rfind(|c: char| !c.is_ascii_digit())
-        .map_or(0, |at| at + digits[at..].chars().next().map_or(1, char::len_utf8));
+    let from = digits.rfind(|c: char| !c.is_ascii_digit()).map_or(0, |at| {
+        at + digits[at..].chars().next().map_or(1, char::len_utf8)
+    });
     Some(digits[from..].trim_start_matches('0').to_owned())
 }
 

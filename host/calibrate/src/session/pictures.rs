@@ -77,7 +77,9 @@ pub fn check_sizes(files: &[PathBuf]) -> Result<(), SessionError> {
     sizes.sort_by_key(|(_, files)| std::cmp::Reverse(files.len()));
     let described: Vec<_> = sizes
         .iter()
-        .map(|((width, height), files)| format!("{} of {width}x{height} ({})", files.len(), names(files)))
+        .map(|((width, height), files)| {
+            format!("{} of {width}x{height} ({})", files.len(), names(files))
+        })
         .collect();
     Err(SessionError::Sizes(described.join(", ")))
 }
@@ -119,7 +121,10 @@ mod tests {
         assert_eq!(names, ["a.jpg", "b.PNG", "c.tiff", "notes.txt"]);
         let empty = folder.path().join("d.png");
         let message = list(&[empty]).unwrap_err().to_string();
-        assert!(message.contains("no picture") && message.contains(".pgm"), "{message}");
+        assert!(
+            message.contains("no picture") && message.contains(".pgm"),
+            "{message}"
+        );
         let message = list(&[folder.path().join("none")]).unwrap_err().to_string();
         assert!(message.contains("cannot be read"), "{message}");
     }
@@ -137,7 +142,13 @@ mod tests {
         assert!(check_sizes(&files).is_ok());
         files.push(file("odd.png", 6, 8));
         let message = check_sizes(&files).unwrap_err().to_string();
-        assert!(message.contains("6 of 8x6 (") && message.contains("..."), "{message}");
-        assert!(message.contains("1 of 6x8 (") && message.contains("odd.png"), "{message}");
+        assert!(
+            message.contains("6 of 8x6 (") && message.contains("..."),
+            "{message}"
+        );
+        assert!(
+            message.contains("1 of 6x8 (") && message.contains("odd.png"),
+            "{message}"
+        );
     }
 }

@@ -65,7 +65,9 @@ impl Bench {
 
     fn run(&self, counter: &Counter) -> Detections {
         let detect = |picture: &GrayImage| counter.detect(picture);
-        self.session("8x6").detect(&self.files, detect, |_| {}).unwrap()
+        self.session("8x6")
+            .detect(&self.files, detect, |_| {})
+            .unwrap()
     }
 
     fn kept_files(&self) -> Vec<PathBuf> {
@@ -75,7 +77,9 @@ impl Bench {
 }
 
 fn paint(file: &Path, gray: u8) {
-    GrayImage::from_pixel(4, 3, image::Luma([gray])).save(file).unwrap();
+    GrayImage::from_pixel(4, 3, image::Luma([gray]))
+        .save(file)
+        .unwrap();
 }
 
 fn founds(detections: &Detections) -> Vec<Option<&Found>> {
@@ -90,7 +94,9 @@ fn a_second_run_detects_nothing_and_says_the_same() {
     let detect = |picture: &GrayImage| counter.detect(picture);
     let first = bench
         .session("8x6")
-        .detect(&bench.files, detect, |file| heard.lock().unwrap().push(file.to_owned()))
+        .detect(&bench.files, detect, |file| {
+            heard.lock().unwrap().push(file.to_owned())
+        })
         .unwrap();
     assert_eq!(counter.calls(), 5);
     let mut heard = heard.into_inner().unwrap();
@@ -102,9 +108,17 @@ fn a_second_run_detects_nothing_and_says_the_same() {
     let second = bench.run(&counter);
     assert_eq!(counter.calls(), 0);
     assert_eq!(founds(&first), founds(&second));
-    assert!(second.pictures.iter().all(|p| p.detected().unwrap().resumed));
+    assert!(
+        second
+            .pictures
+            .iter()
+            .all(|p| p.detected().unwrap().resumed)
+    );
     // Another board is another question.
-    bench.session("7x6").detect(&bench.files, detect, |_| {}).unwrap();
+    bench
+        .session("7x6")
+        .detect(&bench.files, detect, |_| {})
+        .unwrap();
     assert_eq!(counter.calls(), 5);
 }
 
@@ -112,7 +126,10 @@ fn a_second_run_detects_nothing_and_says_the_same() {
 fn an_interrupted_run_keeps_what_it_had() {
     let (bench, counter) = (Bench::new(), Counter::new());
     let detect = |picture: &GrayImage| counter.detect(picture);
-    bench.session("8x6").detect(&bench.files[..2], detect, |_| {}).unwrap();
+    bench
+        .session("8x6")
+        .detect(&bench.files[..2], detect, |_| {})
+        .unwrap();
     // What a killed run leaves behind.
     fs::write(bench.kept().join(".tectum-abc"), b"{\"key\":").unwrap();
     assert_eq!(counter.calls(), 2);
@@ -151,7 +168,10 @@ fn damaged_files_are_set_aside_named_and_rebuilt() {
     ];
     counter.calls();
     for damage in damages {
-        let path = bench.kept_files().into_iter().find(|p| p.extension().unwrap() == "json");
+        let path = bench
+            .kept_files()
+            .into_iter()
+            .find(|p| p.extension().unwrap() == "json");
         let path = path.unwrap();
         fs::write(&path, &damage).unwrap();
         let again = bench.run(&counter);
@@ -193,11 +213,18 @@ fn a_folder_that_cannot_be_written_is_named() {
         markers: Some("DICT_4X4_50".into()),
     };
     let folder = bench.files[0].join("session");
-    let message = Session::open(wanted.clone(), Some(folder)).unwrap_err().to_string();
-    assert!(message.contains("0.png") && message.contains("--session"), "{message}");
+    let message = Session::open(wanted.clone(), Some(folder))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("0.png") && message.contains("--session"),
+        "{message}"
+    );
     // Without a folder all works, and nothing is written.
     let session = Session::open(wanted, None).unwrap();
-    let detections = session.detect(&bench.files, |_| Found::default(), |_| {}).unwrap();
+    let detections = session
+        .detect(&bench.files, |_| Found::default(), |_| {})
+        .unwrap();
     assert_eq!(detections.pictures.len(), 5);
     assert!(!bench.kept().exists());
 }

@@ -12,6 +12,15 @@ pub enum Medium {
     Water,
 }
 
+impl std::fmt::Display for Medium {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Air => "air",
+            Self::Water => "water",
+        })
+    }
+}
+
 /// A whole rig file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

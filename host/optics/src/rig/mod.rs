@@ -1,7 +1,9 @@
 //! The rig: two eyes on a body, in a medium, stitched at a distance.
 
 mod error;
+mod eye_file;
 mod file;
+mod include;
 mod read;
 #[cfg(test)]
 mod tests;
@@ -12,6 +14,7 @@ use nalgebra::Vector3;
 use sha2::Digest;
 
 pub use error::RigError;
+pub use eye_file::{CalibratedEye, Provenance};
 pub use file::Medium;
 use file::RigFile;
 
@@ -94,16 +97,17 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Reads a rig file.
+    /// Reads a rig file; its eyes may be in files of their own (`[left]` with `file = "eye.toml"`,
+    /// relative to the rig's folder).
     ///
     /// # Errors
     /// [`RigError`] says which file, which key, what it says and what is allowed.
     pub fn load(path: &Path) -> Result<Self, RigError> {
-        let text = std::fs::read_to_string(path).map_err(|source| RigError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::from_toml(&text, &path.display().to_string())
+        let (text, file) = (read::text(path)?, path.display().to_string());
+        match include::resolve(&text, path)? {
+            None => Self::from_toml(&text, &file),
+            Some(parsed) => read::rig(parsed, &file),
+        }
     }
 
     /// A rig from the text of a rig file; `file` is its name for messages.

@@ -1,5 +1,7 @@
 //! From what a rig file says to a rig, with every value checked.
 
+use std::path::Path;
+
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::file::{BodyDirection, EyeFile, LensFile, MountFile, PoseFile, ReferenceFile, RigFile};
@@ -43,10 +45,18 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
     })
 }
 
+/// A file's text.
+pub(super) fn text(path: &Path) -> Result<String, RigError> {
+    std::fs::read_to_string(path).map_err(|source| RigError::Read {
+        path: path.to_owned(),
+        source,
+    })
+}
+
 /// Makes errors that name the file.
 #[derive(Clone, Copy)]
-struct Reader<'a> {
-    file: &'a str,
+pub(super) struct Reader<'a> {
+    pub file: &'a str,
 }
 
 impl Reader<'_> {
@@ -108,21 +118,7 @@ impl Reader<'_> {
             Side::Left => "left",
             Side::Right => "right",
         };
-        if !eye
-            .size_px
-            .iter()
-            .all(|side| (2..=MAX_SIDE_PX).contains(side))
-        {
-            let key = format!("{name}.size_px");
-            return Err(self.value(&key, eye.size_px, "2 to 16384 each"));
-        }
-        let size_px = eye.size_px.map(|side| side as u16);
-        let model = lens(&eye.lens, size_px).map_err(|source| RigError::Lens {
-            file: self.file.to_owned(),
-            eye: name,
-            source,
-        })?;
-        let field = self.field(eye, name)?;
+        let camera = self.camera(eye, name)?;
         let pose = match (&eye.pose, &rig.mount) {
             (Some(pose), _) => self.pose(pose, name, to_body)?,
             (None, Some(mount)) => mount_pose(mount, side),
@@ -138,13 +134,32 @@ impl Reader<'_> {
                 "farther from the body's origin than both eyes",
             ));
         }
+        Ok(RigEye { eye: camera, pose })
+    }
+
+    /// Camera and field of the section `[name]`.
+    pub fn camera(&self, eye: &EyeFile, name: &'static str) -> Result<Eye, RigError> {
+        if !eye
+            .size_px
+            .iter()
+            .all(|side| (2..=MAX_SIDE_PX).contains(side))
+        {
+            let key = format!("{name}.size_px");
+            return Err(self.value(&key, eye.size_px, "2 to 16384 each"));
+        }
+        let size_px = eye.size_px.map(|side| side as u16);
+        let model = lens(&eye.lens, size_px).map_err(|source| RigError::Lens {
+            file: self.file.to_owned(),
+            eye: name,
+            source,
+        })?;
         let eye = Eye {
             size_px,
             model,
-            field,
+            field: self.field(eye, name)?,
         };
         self.check_model(&eye, name)?;
-        Ok(RigEye { eye, pose })
+        Ok(eye)
     }
 
     /// The lens must be on its sensor and answer over the whole field.

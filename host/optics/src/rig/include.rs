@@ -1,0 +1,154 @@
+//! Rig files that name the files of their eyes: `[left]` with `file = "left.toml"`.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use super::RigError;
+use super::eye_file::CalibratedEye;
+use super::file::{EyeFile, Medium, RigFile};
+
+/// The rig with its eyes' sections from the files they name; `None` if it names none, or is no
+/// TOML at all. A field given in the rig goes before the file's: the lens may show more than its
+/// calibration has seen.
+pub(super) fn resolve(text: &str, rig: &Path) -> Result<Option<RigFile>, RigError> {
+    let Ok(mut table) = text.parse::<Table>() else {
+        return Ok(None);
+    };
+    let file = rig.display().to_string();
+    let mut media = Vec::new();
+    for side in ["left", "right"] {
+        let Some(Value::Table(section)) = table.get_mut(side) else {
+            continue;
+        };
+        let Some(named) = section.remove("file") else {
+            continue;
+        };
+        let keys = |what: String| RigError::Keys {
+            file: file.clone(),
+            what: format!("[{side}] {what}"),
+        };
+        let Value::String(named) = named else {
+            return Err(keys(
+                "file must be the name of an eye's file, in quotes".into(),
+            ));
+        };
+        if section.contains_key("lens") || section.contains_key("size_px") {
+            return Err(keys(
+                "has both a file and a lens or size_px: leave one out".into(),
+            ));
+        }
+        let folder = rig.parent().unwrap_or(Path::new(""));
+        let eye = CalibratedEye::load(&folder.join(&named))?;
+        media.push((named, eye.medium));
+        insert(section, &EyeFile::from(&eye.eye)).map_err(|error| keys(error.to_string()))?;
+    }
+    if media.is_empty() {
+        return Ok(None);
+    }
+    let parsed = RigFile::deserialize(table).map_err(|error| RigError::Syntax {
+        file: file.clone(),
+        message: error.to_string(),
+    })?;
+    check_media(&parsed, &media, file)?;
+    Ok(Some(parsed))
+}
+
+fn insert(section: &mut Table, eye: &EyeFile) -> Result<(), toml::ser::Error> {
+    let has_field = ["field_deg", "half_angles_deg"]
+        .iter()
+        .any(|key| section.contains_key(*key));
+    for (key, value) in Table::try_from(eye)? {
+        if !(has_field && (key == "field_deg" || key == "half_angles_deg")) {
+            section.insert(key, value);
+        }
+    }
+    Ok(())
+}
+
+fn check_media(rig: &RigFile, eyes: &[(String, Medium)], file: String) -> Result<(), RigError> {
+    let rig_medium = rig.calibrated_in.unwrap_or(rig.medium);
+    match eyes.iter().find(|(_, medium)| *medium != rig_medium) {
+        None => Ok(()),
+        Some((named, medium)) => Err(RigError::Keys {
+            file,
+            what: format!(
+                "{named} was calibrated in {medium}, the rig says {rig_medium}: set calibrated_in \
+                 to what is true, or calibrate the eye in the rig's medium"
+            ),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Rig, camera};
+
+    const EYE: &str = "medium = \"water\"\n[eye]\nsize_px = [480, 480]\nfield_deg = 160.0\n\
+        lens = { model = \"equidistant\", focal_px_per_rad = 129.9, centre_px = [239.5, 239.5] }\n";
+    const RIG: &str = "name = \"fish\"\nmedium = \"water\"\nstitch_distance_m = 2.0\n\
+        [mount]\npsi_deg = 25.7\ntau_deg = 29.15\nlateral_mm = 30.0\n\
+        [left]\nfile = \"eyes/left.toml\"\n";
+
+    fn load(rig: &str, eye: &str) -> Result<Rig, String> {
+        let folder = std::env::temp_dir().join(format!(
+            "tectum-include-{}-{:?}",
+            std::process::id(),
+            std::thread::current().id()
+        ));
+        std::fs::create_dir_all(folder.join("eyes")).unwrap();
+        std::fs::write(folder.join("eyes/left.toml"), eye).unwrap();
+        std::fs::write(folder.join("rig.toml"), rig).unwrap();
+        let rig = Rig::load(&folder.join("rig.toml"));
+        std::fs::remove_dir_all(folder).unwrap();
+        rig.map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_rig_takes_its_eye_from_a_file_and_is_whole_when_written() {
+        let rig = load(RIG, EYE).unwrap();
+        let eye = &rig.left.as_ref().unwrap().eye;
+        assert!(matches!(&eye.model, camera::CameraModel::Equidistant(_)));
+        assert_eq!(eye.field.widest_rad(), 80f64.to_radians());
+        assert_eq!(
+            Rig::from_toml(&rig.to_toml().unwrap(), "again").unwrap(),
+            rig
+        );
+        let wider = load(&format!("{RIG}field_deg = 210.0\n"), EYE).unwrap();
+        let field = &wider.left.as_ref().unwrap().eye.field;
+        assert_eq!(field.widest_rad(), 105f64.to_radians());
+    }
+
+    #[test]
+    fn what_contradicts_is_refused() {
+        let air = EYE.replace("water", "air");
+        for (rig, eye, part) in [
+            (
+                RIG.to_owned(),
+                &*air,
+                "was calibrated in air, the rig says water",
+            ),
+            (
+                RIG.replace("left.toml", "none.toml"),
+                EYE,
+                "none.toml: cannot be read",
+            ),
+            (
+                format!("{RIG}size_px = [480, 480]\n"),
+                EYE,
+                "both a file and",
+            ),
+            (
+                RIG.replace("\"eyes/left.toml\"", "3"),
+                EYE,
+                "[left] file must be",
+            ),
+            (RIG.replace("psi_deg", "psi"), EYE, "psi"),
+            (RIG.to_owned(), "size_px = 3", "left.toml"),
+        ] {
+            let message = load(&rig, eye).unwrap_err();
+            assert!(message.contains(part), "{part}: {message}");
+        }
+    }
+}
