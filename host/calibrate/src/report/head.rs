@@ -65,7 +65,15 @@ pub fn html(facts: &Facts) -> String {
         .collect();
     let advice = match advice.is_empty() {
         true => advice,
-        false => format!("<p class=\"next\">To do next</p><ul>{advice}</ul>"),
+        false => {
+            let good = facts.verdict.trust == Trust::Whole;
+            let what = if good {
+                "To make it better"
+            } else {
+                "To do next"
+            };
+            format!("<p class=\"next\">{what}</p><ul>{advice}</ul>")
+        }
     };
     let class = match facts.verdict.trust {
         Trust::Whole => "good",

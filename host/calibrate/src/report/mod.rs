@@ -15,6 +15,7 @@ mod radial;
 mod residuals;
 #[cfg(test)]
 mod sample;
+mod sigma;
 mod svg;
 #[cfg(test)]
 mod tests;

@@ -1,118 +1,26 @@
 //! Section: standard error of the direction over the field.
 
-use image::{Rgba, RgbaImage};
-
 use super::facts::Facts;
-use super::heat::{Grid, colour};
+use super::heat::colour;
 use super::map::Map;
 use super::picture::png_uri;
+use super::sigma::{MILLIDEGREES, SigmaMap};
 use super::svg::{Path, captioned, figure, text};
 
-/// Samples along the longer side.
-const SAMPLES: u32 = 112;
 /// Contours of fewer segments are left out.
 const SPECK: usize = 24;
 /// Room that a label takes on a map, user units.
 const LABEL: f64 = 34.0;
 
-/// Standard errors over the picture, as the logarithm of rad.
-struct Field {
-    grid: Grid,
-    /// px between samples.
-    pitch_px: f64,
-    low: f64,
-    high: f64,
-    unit: Unit,
-}
-
-/// Unit in which a map is told.
-#[derive(Clone, Copy)]
-struct Unit {
-    to_rad: f64,
-    name: &'static str,
-}
-
-const DEGREES: Unit = Unit {
-    to_rad: std::f64::consts::PI / 180.0,
-    name: "°",
-};
-const MILLIDEGREES: Unit = Unit {
-    to_rad: DEGREES.to_rad / 1000.0,
-    name: " m°",
-};
-
 pub fn html(facts: &Facts) -> String {
-    let body = match Field::new(facts) {
+    let body = match SigmaMap::new(facts) {
         Some(field) => captioned(&drawing(facts, &field), &note(&field)),
         None => "<p>There is none to show: the calibration holds no covariance.</p>".into(),
     };
     format!("<section id=\"uncertainty\"><h2>Uncertainty of directions</h2>\n{body}</section>\n")
 }
 
-impl Field {
-    fn new(facts: &Facts) -> Option<Self> {
-        let size = facts
-            .input
-            .calibration
-            .size_px
-            .map(|px| f64::from(px.max(1)));
-        let pitch_px = size[0].max(size[1]) / f64::from(SAMPLES);
-        let [columns, rows] = size.map(|side| (libm::ceil(side / pitch_px) as usize).max(2));
-        let pixel = |i: usize| (i as f64 + 0.5) * pitch_px - 0.5;
-        let (mut values, mut inside) = (Vec::new(), Vec::new());
-        for place in 0..columns * rows {
-            let px = [pixel(place % columns), pixel(place / columns)];
-            let sigma = (facts.input.angular_sigma_rad)(px).filter(|s| s.is_finite() && *s > 0.0);
-            let value = sigma.map_or(f64::NAN, libm::log);
-            values.push(value);
-            if value.is_finite() && facts.eye.unproject(px).is_ok() {
-                inside.push(value);
-            }
-        }
-        inside.sort_by(f64::total_cmp);
-        // The ends of the scale leave out what a single pixel at the rim may reach.
-        let low = *inside.first()?;
-        let high = inside[(inside.len() - 1) * 99 / 100].max(low + 0.05);
-        let unit = if libm::exp(low) > DEGREES.to_rad {
-            DEGREES
-        } else {
-            MILLIDEGREES
-        };
-        Some(Self {
-            grid: Grid { columns, values },
-            pitch_px,
-            low,
-            high,
-            unit,
-        })
-    }
-
-    /// Levels of contours: 1, 2 and 5 times powers of ten of the unit.
-    fn levels(&self) -> Vec<f64> {
-        let powers = (-6..7).flat_map(|p| [1.0, 2.0, 5.0].map(|m| m * libm::pow(10.0, p.into())));
-        let inside = |level: &f64| {
-            let value = libm::log(level * self.unit.to_rad);
-            value > self.low && value < self.high
-        };
-        powers.filter(inside).collect()
-    }
-
-    fn share(&self, value: f64) -> f64 {
-        (value - self.low) / (self.high - self.low)
-    }
-
-    fn picture(&self) -> RgbaImage {
-        let columns = self.grid.columns;
-        let rows = self.grid.values.len() / columns;
-        RgbaImage::from_fn(columns as u32, rows as u32, |x, y| {
-            let value = self.grid.values[y as usize * columns + x as usize];
-            let [r, g, b] = colour(self.share(value));
-            Rgba([r, g, b, if value.is_finite() { 255 } else { 0 }])
-        })
-    }
-}
-
-fn drawing(facts: &Facts, field: &Field) -> String {
+fn drawing(facts: &Facts, field: &SigmaMap) -> String {
     let map = Map::new(facts);
     let pitch = field.pitch_px * map.scale;
     let [columns, rows] = [
@@ -201,7 +109,7 @@ fn label_place(
         .max_by(|a, b| along(a).total_cmp(&along(b)))
 }
 
-fn legend(field: &Field, [width, height]: [f64; 2]) -> String {
+fn legend(field: &SigmaMap, [width, height]: [f64; 2]) -> String {
     const STEPS: u32 = 60;
     let left = 30.0;
     let length = width - 2.0 * left;
@@ -236,7 +144,7 @@ fn legend(field: &Field, [width, height]: [f64; 2]) -> String {
     legend
 }
 
-fn note(field: &Field) -> String {
+fn note(field: &SigmaMap) -> String {
     let told = |value: f64| {
         let millidegrees = libm::exp(value) / MILLIDEGREES.to_rad;
         match millidegrees {

@@ -1,5 +1,8 @@
 //! Whether a calibration can be trusted, and what to do if not.
 
+#[cfg(test)]
+mod tests;
+
 use super::coverage::{Coverage, Gap};
 use crate::Calibration;
 
@@ -16,8 +19,10 @@ const HOPELESS_PX: f64 = 3.0;
 const LEAST_PICTURES: usize = 4;
 /// And this many corners for each parameter of the lens.
 const CORNERS_A_PARAMETER: usize = 10;
+/// Boards that cover less of the field than this do not hold a lens all round.
+const LEAST_SHARE: f64 = 0.4;
 /// Pieces of advice that are told; the rest follows once these are done.
-const MOST_ADVICE: usize = 8;
+const MOST_ADVICE: usize = 6;
 
 /// How far a calibration can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,11 +75,11 @@ impl Verdict {
         advice.truncate(MOST_ADVICE);
         if gaps.len() > MOST_ADVICE {
             let more = gaps.len() - MOST_ADVICE;
-            advice.push(format!("And {more} more, under coverage"));
+            advice.push(format!("And {more} more: see the coverage."));
         }
         if ratio(grounds).is_some_and(|ratio| ratio > ALIKE) {
             advice.push(
-                "A lower degree, or more pictures: the lens has learnt its own pictures".into(),
+                "A lower degree, or more pictures: the lens has learnt its own pictures.".into(),
             );
         }
         if grounds.calibration.rms_px > LARGE_PX {
@@ -151,6 +156,10 @@ fn doubts(grounds: &Grounds) -> Vec<String> {
         let rms = calibration.rms_px;
         doubts.push(format!("residuals of {rms:.2} px RMS are large"));
     }
+    let share = grounds.coverage.share();
+    if share < LEAST_SHARE {
+        doubts.push(format!("boards cover {:.0} % of the field", 100.0 * share));
+    }
     let gaps = &grounds.coverage.gaps;
     if let Some(Gap::FewPictures { pictures }) = gaps.first() {
         doubts.push(format!("it rests on {pictures} pictures"));
@@ -180,18 +189,15 @@ fn trusted(grounds: &Grounds) -> (Trust, String) {
         calibration.views_used(),
         calibration.field_rad.to_degrees()
     );
-    let short = coverage
-        .gaps
-        .iter()
-        .any(|gap| matches!(gap, Gap::Beyond { .. }));
-    if !short {
+    let short = coverage.gaps.iter().flat_map(|gap| match gap {
+        Gap::Beyond { directions, .. } => &directions[..],
+        _ => &[],
+    });
+    let reached = short.map(|direction| coverage.reach_rad[*direction as usize]);
+    let Some(all_round) = reached.reduce(f64::min) else {
         let whole = "This calibration can be trusted over all that lens and sensor show";
         return (Trust::Whole, format!("{whole}: {evidence}."));
-    }
-    let reach = coverage.reach_rad.iter().zip(&coverage.limit_rad);
-    let all_round = reach
-        .map(|(reach, limit)| reach.min(*limit))
-        .fold(f64::INFINITY, f64::min);
+    };
     // To 5 degrees down, as gaps are told to 5 degrees up.
     let within = libm::floor(all_round.to_degrees() / 5.0) * 5.0;
     (

@@ -136,6 +136,8 @@ fn between(coverage: &Coverage) -> Vec<Gap> {
             }
         }
     }
+    // Where no board is before where only one is.
+    gaps.sort_by_key(|gap| matches!(gap, Gap::Between { pictures: 1, .. }));
     gaps
 }
 
