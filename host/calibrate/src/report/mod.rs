@@ -31,6 +31,10 @@ use tectum_optics::Medium;
 use crate::{Board, Calibration, View};
 
 use facts::Facts;
+use verdict::Verdict;
+
+/// Standard error of the direction of a pixel `[x, y]`, rad.
+pub type AngularSigma<'a> = dyn Fn([f64; 2]) -> Option<f64> + 'a;
 
 /// Everything that a report shows.
 #[derive(Clone, Copy)]
@@ -48,8 +52,11 @@ pub struct ReportInput<'a> {
     pub half_field_rad: Option<f64>,
     /// By picture, in the order of the calibration's views.
     pub views: &'a [ReportView<'a>],
-    /// Standard error of the direction of a pixel `[x, y]`, rad; `None` outside the model.
-    pub angular_sigma_rad: &'a dyn Fn([f64; 2]) -> Option<f64>,
+    /// RMS angle between the estimated and the true ray through a pixel `[x, y]` in the camera's
+    /// own frame, rad; `None` outside the model.
+    pub angular_sigma_rad: &'a AngularSigma<'a>,
+    /// The same with the best common rotation of all rays taken off, if it is to be shown.
+    pub rotation_free_sigma_rad: Option<&'a AngularSigma<'a>>,
 }
 
 impl fmt::Debug for ReportInput<'_> {
@@ -70,6 +77,11 @@ pub struct ReportView<'a> {
     pub picture: Option<&'a GrayImage>,
     /// Corners found in it.
     pub view: &'a View,
+}
+
+/// The report's verdict alone.
+pub fn judge(input: &ReportInput) -> Verdict {
+    Facts::new(input).verdict
 }
 
 /// The report as an HTML page that needs no other file and no network.

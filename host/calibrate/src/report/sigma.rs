@@ -2,6 +2,7 @@
 
 use image::{Rgba, RgbaImage};
 
+use super::AngularSigma;
 use super::facts::Facts;
 use super::heat::{Grid, colour};
 
@@ -38,7 +39,7 @@ pub const MILLIDEGREES: Unit = Unit {
 
 impl SigmaMap {
     /// `None` if no pixel of the field has one.
-    pub fn new(facts: &Facts) -> Option<Self> {
+    pub fn new(facts: &Facts, sigma_rad: &AngularSigma) -> Option<Self> {
         let size = facts
             .input
             .calibration
@@ -50,7 +51,7 @@ impl SigmaMap {
         let (mut values, mut inside) = (Vec::new(), Vec::new());
         for place in 0..columns * rows {
             let px = [pixel(place % columns), pixel(place / columns)];
-            let sigma = (facts.input.angular_sigma_rad)(px).filter(|s| s.is_finite() && *s > 0.0);
+            let sigma = sigma_rad(px).filter(|s| s.is_finite() && *s > 0.0);
             let value = sigma.map_or(f64::NAN, libm::log);
             values.push(value);
             if value.is_finite() && facts.eye.unproject(px).is_ok() {

@@ -47,6 +47,7 @@ fn page_with(sample: &Sample, half_field_rad: Option<f64>, kept: bool) -> String
         half_field_rad,
         views: &views,
         angular_sigma_rad: &sigma,
+        rotation_free_sigma_rad: kept.then_some(&|px| Some(0.4 * sigma(px)?)),
     })
 }
 

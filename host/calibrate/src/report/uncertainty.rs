@@ -1,5 +1,6 @@
 //! Section: standard error of the direction over the field.
 
+use super::AngularSigma;
 use super::facts::Facts;
 use super::heat::colour;
 use super::map::Map;
@@ -12,15 +13,33 @@ const SPECK: usize = 24;
 /// Room that a label takes on a map, user units.
 const LABEL: f64 = 34.0;
 
+/// How the own frame's and the rotation-free standard errors are told.
+const OWN_FRAME: &str = "of the ray through each pixel in the camera's own frame";
+const ROTATION_FREE: &str = "with the best common rotation of all rays taken off, as in a rig \
+                             that finds the rotation of each eye by itself";
+
 pub fn html(facts: &Facts) -> String {
-    let body = match SigmaMap::new(facts) {
-        Some(field) => captioned(&drawing(facts, &field), &note(&field)),
-        None => "<p>There is none to show: the calibration holds no covariance.</p>".into(),
+    let own = figure_of(facts, "own-frame", facts.input.angular_sigma_rad, OWN_FRAME);
+    let free = facts.input.rotation_free_sigma_rad;
+    let free = free.and_then(|sigma| figure_of(facts, "rotation-free", sigma, ROTATION_FREE));
+    let body = match (own, free) {
+        (Some(own), Some(free)) => format!("<div class=\"two\">{own}{free}</div>"),
+        (Some(one), None) | (None, Some(one)) => format!("<div class=\"one\">{one}</div>"),
+        _ => "<p>There is none to show: the calibration holds no covariance.</p>".into(),
     };
-    format!("<section id=\"uncertainty\"><h2>Uncertainty of directions</h2>\n{body}</section>\n")
+    format!(
+        "<section id=\"uncertainty\"><h2>Uncertainty of directions</h2>\n{body}\
+         <p class=\"dim\">What the covariance of the lens implies. It holds if the model fits the \
+         lens, which the residuals show. Dashed: up to where boards reach.</p></section>\n"
+    )
 }
 
-fn drawing(facts: &Facts, field: &SigmaMap) -> String {
+fn figure_of(facts: &Facts, id: &str, sigma_rad: &AngularSigma, what: &str) -> Option<String> {
+    let field = SigmaMap::new(facts, sigma_rad)?;
+    Some(captioned(&drawing(facts, &field, id), &note(&field, what)))
+}
+
+fn drawing(facts: &Facts, field: &SigmaMap, id: &str) -> String {
     let map = Map::new(facts);
     let pitch = field.pitch_px * map.scale;
     let [columns, rows] = [
@@ -29,14 +48,14 @@ fn drawing(facts: &Facts, field: &SigmaMap) -> String {
     ];
     let heat = png_uri(&field.picture()).map(|uri| {
         format!(
-            "<g clip-path=\"url(#rim)\"><image href=\"{uri}\" width=\"{:.1}\" height=\"{:.1}\" \
+            "<g clip-path=\"url(#{id})\"><image href=\"{uri}\" width=\"{:.1}\" height=\"{:.1}\" \
              preserveAspectRatio=\"none\"/></g>",
             columns as f64 * pitch,
             rows as f64 * pitch
         )
     });
     let clip = format!(
-        "<clipPath id=\"rim\">{}</clipPath>",
+        "<clipPath id=\"{id}\">{}</clipPath>",
         map.rim().element("clip")
     );
     let (mut lines, mut words, mut taken) = (String::new(), String::new(), Vec::new());
@@ -67,7 +86,7 @@ fn drawing(facts: &Facts, field: &SigmaMap) -> String {
     let body = [
         clip,
         heat.unwrap_or_default(),
-        format!("<g clip-path=\"url(#rim)\">{lines}</g>"),
+        format!("<g clip-path=\"url(#{id})\">{lines}</g>"),
         map.reach().element("reach"),
         map.rim().element("rim"),
         words,
@@ -144,7 +163,7 @@ fn legend(field: &SigmaMap, [width, height]: [f64; 2]) -> String {
     legend
 }
 
-fn note(field: &SigmaMap) -> String {
+fn note(field: &SigmaMap, what: &str) -> String {
     let told = |value: f64| {
         let millidegrees = libm::exp(value) / MILLIDEGREES.to_rad;
         match millidegrees {
@@ -153,10 +172,8 @@ fn note(field: &SigmaMap) -> String {
         }
     };
     format!(
-        "Standard error (one sigma) of the direction of each pixel that the covariance of the \
-         lens implies, in thousandths of a degree (m°): {} at best, {} at worst in 99 % of the \
-         field. Dashed: up to where boards reach. It holds if the model fits the lens, which the \
-         residuals show.",
+        "Standard error (RMS angle to the true ray) {what}, in thousandths of a degree (m°) or \
+         degrees: {} at best, {} at worst in 99 % of the field.",
         told(field.low),
         told(field.high)
     )

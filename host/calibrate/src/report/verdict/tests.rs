@@ -33,6 +33,7 @@ fn verdict(sample: &Sample) -> Verdict {
         half_field_rad: Some(HALF_FIELD_RAD),
         views: &views,
         angular_sigma_rad: &|_| None,
+        rotation_free_sigma_rad: None,
     };
     Facts::new(&input).verdict
 }
