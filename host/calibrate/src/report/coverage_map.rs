@@ -122,7 +122,8 @@ fn chart(cells: &[Cell]) -> String {
             );
         }
         let degrees = libm::round(cell.to_rad.to_degrees());
-        let told = degrees % 30.0 == 0.0 || cell.to_rad == end;
+        let clear = end - cell.to_rad > 10f64.to_radians();
+        let told = degrees % 30.0 == 0.0 && clear || cell.to_rad == end;
         if told && cell.direction == Some(Direction::Right) {
             let degrees = format!("{degrees:.0}°");
             let [x, y] = at(outer, -FRAC_PI_8);

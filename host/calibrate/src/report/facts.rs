@@ -158,7 +158,10 @@ fn half_field_rad(input: &ReportInput) -> (f64, FieldSource) {
         return (stated, FieldSource::Stated);
     }
     let pictures = input.views.iter().filter_map(|view| view.picture);
-    match image_circle::half_field_rad(&input.calibration.model, pictures).filter(sound) {
+    let measured = image_circle::half_field_rad(&input.calibration.model, pictures).filter(sound);
+    // A rim inside the corners is none; a degree is more than it can be wrong by.
+    let least = input.calibration.field_rad - 1f64.to_radians();
+    match measured.filter(|measured| *measured > least) {
         Some(measured) => (measured, FieldSource::DarkRim),
         None => (WIDEST_RAD, FieldSource::Sensor),
     }

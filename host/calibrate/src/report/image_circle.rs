@@ -11,6 +11,8 @@ const SIDE_PX: u32 = 400;
 const AZIMUTHS: u32 = 72;
 /// Share of azimuths that must show the rim.
 const LEAST_SHARE: f64 = 0.15;
+/// The middle half of the edges must lie within this, rad.
+const MOST_SPREAD_RAD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 
 /// Half-angle of the field, rad: the median over the azimuths in which the brightest of the
 /// pictures end in a dark rim; `None` if too few do.
@@ -55,7 +57,10 @@ pub fn half_field_rad<'a>(
         .collect();
     angles.sort_by(f64::total_cmp);
     let enough = angles.len() as f64 >= LEAST_SHARE * f64::from(AZIMUTHS);
-    enough.then(|| angles[angles.len() / 2])
+    // Walls and vignetting darken borders too, but not along a ring.
+    let quartile = |i: usize| angles.get(angles.len() * i / 4);
+    let ring = quartile(3)? - quartile(1)? < MOST_SPREAD_RAD;
+    (enough && ring).then(|| angles[angles.len() / 2])
 }
 
 /// The brightest of the pictures at each place, reduced, and its pixels' width in px.
@@ -108,6 +113,19 @@ mod tests {
             "{}",
             found.to_degrees()
         );
+    }
+
+    #[test]
+    fn dark_corners_are_no_rim() {
+        let (model, _) = picture(100.0);
+        let square = GrayImage::from_fn(800, 600, |x, y| {
+            Luma([if (60..700).contains(&x) && (40..570).contains(&y) {
+                180
+            } else {
+                6
+            }])
+        });
+        assert_eq!(half_field_rad(&model, [&square].into_iter()), None);
     }
 
     #[test]

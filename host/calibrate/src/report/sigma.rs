@@ -5,7 +5,10 @@ use image::{Rgba, RgbaImage};
 use super::AngularSigma;
 use super::facts::Facts;
 use super::heat::{Grid, colour};
+use super::plot::ticks;
 
+/// Fewer levels than this are no map.
+const LEAST_LEVELS: usize = 3;
 /// Samples along the longer side.
 const SAMPLES: u32 = 112;
 
@@ -76,14 +79,22 @@ impl SigmaMap {
         })
     }
 
-    /// Levels of contours: 1, 2 and 5 times powers of ten of the unit.
+    /// Levels of contours in the unit: 1, 2 and 5 times powers of ten, or even steps where those
+    /// are few.
     pub fn levels(&self) -> Vec<f64> {
         let powers = (-6..7).flat_map(|p| [1.0, 2.0, 5.0].map(|m| m * libm::pow(10.0, p.into())));
         let inside = |level: &f64| {
             let value = libm::log(level * self.unit.to_rad);
             value > self.low && value < self.high
         };
-        powers.filter(inside).collect()
+        let levels: Vec<f64> = powers.filter(inside).collect();
+        if levels.len() >= LEAST_LEVELS {
+            return levels;
+        }
+        let ends = [self.low, self.high].map(|value| libm::exp(value) / self.unit.to_rad);
+        // Products of steps: the last bits are not to be read.
+        let round = |level: f64| libm::round(level * 1e6) / 1e6;
+        ticks(ends, 6).into_iter().map(round).collect()
     }
 
     /// Place of a value on the scale, 0 to 1 inside it.
