@@ -6,6 +6,7 @@
 mod board;
 mod calibration;
 pub mod detect;
+mod dictionary;
 pub mod report;
 pub mod session;
 pub mod solve;
@@ -13,3 +14,4 @@ pub mod target;
 
 pub use board::{Board, BoardSize, BoardSizeError, Corner, View};
 pub use calibration::{BoardPose, Calibration, CornerFit, ModelScore, Parameter, Rejection, ViewFit};
+pub use dictionary::{Dictionary, DictionaryError};
