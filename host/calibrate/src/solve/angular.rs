@@ -28,8 +28,8 @@ pub struct AngularUncertainty {
 impl AngularUncertainty {
     /// From a calibration; `None` if its model is not one that is calibrated here.
     pub fn new(calibration: &Calibration) -> Option<Self> {
-        let skew = calibration.parameters.iter().any(|p| p.name == "affine[1]");
-        let (lens, p) = lens::from_camera(&calibration.model, skew)?;
+        let names = calibration.parameters.iter().map(|p| p.name.as_str());
+        let (lens, p) = lens::from_camera(&calibration.model, &names.collect::<Vec<_>>())?;
         let factors: Vec<f64> = lens.describe().into_iter().map(|(_, f)| f).collect();
         if calibration.covariance.shape() != (p.len(), p.len()) {
             return None;

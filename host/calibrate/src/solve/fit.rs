@@ -17,7 +17,7 @@ const BAD_SHARE: f64 = 0.35;
 /// Fewest corners that a view keeps: a pose and something left to judge it by.
 pub const MIN_CORNERS: usize = 8;
 /// Noise below which residuals are rounding, px.
-const LEAST_SIGMA_PX: f64 = 1e-9;
+const LEAST_SIGMA_PX: f64 = 1e-4;
 /// Median of the length of a 2-vector with unit normal coordinates.
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_7;
 

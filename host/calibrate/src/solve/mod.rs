@@ -16,6 +16,8 @@ mod linear;
 mod pose;
 mod sight;
 mod start;
+#[cfg(test)]
+mod tests;
 
 use rayon::prelude::*;
 
@@ -79,7 +81,7 @@ impl Default for Options {
 /// Fewest views of a calibration.
 const MIN_VIEWS: usize = 3;
 /// Degrees that are tried.
-const DEGREES: std::ops::RangeInclusive<usize> = 2..=9;
+const DEGREES: std::ops::RangeInclusive<usize> = 2..=10;
 /// Degree of the flexible polynomial that bad corners are found with, and how many views it needs.
 const CLEANING: (usize, usize) = (6, 6);
 /// Robust standard deviation beyond which nothing fits, as a share of the picture's diagonal.
@@ -115,10 +117,11 @@ pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, Ca
     }
     check::handedness(&base, options)?;
     let families = families(&lens, options);
-    let candidates: Vec<Candidate<'_>> = families
+    let mut candidates: Vec<Candidate<'_>> = families
         .par_iter()
         .map(|family| Candidate::new(family.as_ref(), &lens, &base, problem.size_px, options))
         .collect();
+    choice::hold_out(&mut candidates);
     let chosen = choice::choose(&candidates, options.model).ok_or(CalibrateError::Singular)?;
     finish::calibration(problem, sights, &candidates, chosen)
 }
@@ -141,7 +144,7 @@ fn base(sights: Vec<Sight>, size_px: [u32; 2]) -> Option<(OcamLens, Fit)> {
         parts: parts.collect(),
         sigma_px: 1.0,
     };
-    let flexible = start.lens.with(degree, true);
+    let flexible = start.lens.with_degree(degree).skewed();
     let p = flexible.from_profile([fit.p[0], fit.p[1]], &choice::profile(&start.lens, &fit))?;
     let fit = Fit { p, ..fit }.cleaned(&flexible)?;
     Some((flexible, fit))
@@ -156,9 +159,15 @@ fn families(lens: &OcamLens, options: &Options) -> Vec<Box<dyn Lens>> {
         }
         None => DEGREES,
     };
-    let ocam = degrees.flat_map(|degree| [lens.with(degree, false), lens.with(degree, true)]);
+    let plain = OcamLens::new(0, lens.scale_px());
+    let full = degrees.clone().map(|degree| plain.with_degree(degree));
+    let even = degrees.filter(|degree| degree % 2 == 0 && *degree > 2);
+    let even = even.map(|degree| plain.with_degree(degree).even());
     let mut families: Vec<Box<dyn Lens>> = Vec::new();
-    families.extend(ocam.map(|lens| Box::new(lens) as Box<dyn Lens>));
+    for lens in full.chain(even) {
+        families.push(Box::new(lens));
+        families.push(Box::new(lens.skewed()));
+    }
     families.sort_by_key(|lens| lens.count());
     families.push(Box::new(KannalaBrandtLens));
     families.push(Box::new(DoubleSphereLens));

@@ -50,7 +50,7 @@ pub fn find(sights: &[Sight], size_px: [u32; 2]) -> Option<Start> {
     let corners = sights.iter().flat_map(Sight::used);
     let reach = corners.map(|target| (target.pixel - middle).norm());
     let reach = REACH_FACTOR * reach.fold(0.0, f64::max);
-    let lens = OcamLens::new(DEGREE, reach, false);
+    let lens = OcamLens::new(DEGREE, reach);
     let mut starts = Vec::new();
     let centre = best_centre(sights, middle, reach);
     if let Some((p, _)) = linear_lens(sights, centre, reach) {
@@ -124,7 +124,7 @@ fn joint(
 /// Lens of the linear equations about a centre, and the views' median RMS.
 fn linear_lens(sights: &[Sight], centre: Vector2<f64>, reach: f64) -> Option<(Vec<f64>, f64)> {
     let start = linear::solve(sights, centre, reach)?;
-    let lens = OcamLens::new(DEGREE, reach, false);
+    let lens = OcamLens::new(DEGREE, reach);
     let mut p = vec![centre.x, centre.y, 1.0];
     p.extend(start.polynomial);
     let score = score(&lens, &p, &start.poses, sights);

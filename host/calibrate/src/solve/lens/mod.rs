@@ -61,13 +61,19 @@ pub trait Lens: fmt::Debug + Sync + Send {
     fn camera(&self, p: &[f64], radius_px: f64) -> Result<CameraModel, ParameterError>;
 }
 
-/// A lens family with the parameters that describe `camera`, of which the polynomial's may have
-/// skew; `None` for a model that is not fitted here.
-pub fn from_camera(camera: &CameraModel, skew: bool) -> Option<(Box<dyn Lens>, Vec<f64>)> {
+/// The family and parameters of a calibrated camera, whose parameters' names are given: they tell
+/// which of a polynomial's were free. `None` for a model that is not fitted here.
+pub fn from_camera(camera: &CameraModel, names: &[&str]) -> Option<(Box<dyn Lens>, Vec<f64>)> {
     match camera {
         CameraModel::Ocam(ocam) => {
             let degree = ocam.polynomial.len().checked_sub(1)?;
-            let lens = OcamLens::new(degree, ocam.max_rho_px(), skew);
+            let mut lens = OcamLens::new(degree, ocam.max_rho_px());
+            if degree > 2 && !names.contains(&"polynomial[3]") {
+                lens = lens.even();
+            }
+            if names.contains(&"affine[1]") {
+                lens = lens.skewed();
+            }
             let p = lens.parameters(ocam);
             Some((Box::new(lens), p))
         }

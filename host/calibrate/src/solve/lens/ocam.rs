@@ -16,6 +16,9 @@ pub struct OcamLens {
     degree: usize,
     /// Radius `s` of the image that corners are seen in, px.
     scale_px: f64,
+    /// Even powers alone: a lens that is smooth at its centre has no others, and a fit of few
+    /// views needs no more.
+    even: bool,
     /// Whether image rows and columns may be other than perpendicular.
     skew: bool,
 }
@@ -26,17 +29,43 @@ impl OcamLens {
 
     /// Lenses of a degree; the polynomial holds up to the radius `scale_px` and goes on straight
     /// beyond.
-    pub fn new(degree: usize, scale_px: f64, skew: bool) -> Self {
+    pub fn new(degree: usize, scale_px: f64) -> Self {
         Self {
             degree,
             scale_px,
-            skew,
+            even: false,
+            skew: false,
         }
     }
 
+    /// Radius up to which the polynomial holds, px.
+    pub fn scale_px(&self) -> f64 {
+        self.scale_px
+    }
+
     /// Lenses of another degree at the same scale.
-    pub fn with(&self, degree: usize, skew: bool) -> Self {
-        Self::new(degree, self.scale_px, skew)
+    pub fn with_degree(self, degree: usize) -> Self {
+        Self { degree, ..self }
+    }
+
+    /// The same with the even powers alone.
+    pub fn even(self) -> Self {
+        Self { even: true, ..self }
+    }
+
+    /// The same with skew.
+    pub fn skewed(self) -> Self {
+        Self { skew: true, ..self }
+    }
+
+    /// From one power to the next.
+    fn stride(&self) -> usize {
+        1 + usize::from(self.even)
+    }
+
+    /// Powers of rho, with gaps left out.
+    fn powers(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(0).chain((2..=self.degree).step_by(self.stride()))
     }
 
     /// Number of parameters before the polynomial's.
@@ -56,30 +85,34 @@ impl OcamLens {
         let scaled = |k: usize| {
             ocam.polynomial.get(k).copied().unwrap_or(0.0) * self.scale_px.powi(k as i32 - 1)
         };
-        p.push(scaled(0));
-        p.extend((2..=self.degree).map(scaled));
+        p.extend(self.powers().map(scaled));
         p
     }
 
     /// `f(rho) / s` and its slope at `x = rho / s`; beyond `x = 1` the tangent there, so that a
     /// trial step of the fit cannot fold.
-    fn evaluate(b: &[f64], x: f64) -> (f64, f64) {
+    fn evaluate(&self, b: &[f64], x: f64) -> (f64, f64) {
         let inside = x.min(1.0);
+        let (step, step_slope) = if self.even {
+            (inside * inside, 2.0 * inside)
+        } else {
+            (inside, 1.0)
+        };
         let (mut value, mut slope) = (0.0, 0.0);
         for b in b[1..].iter().rev() {
-            slope = slope * inside + value;
-            value = value * inside + b;
+            slope = slope * step + value;
+            value = value * step + b;
         }
-        // value = b2 + b3 x + ...
-        let slope = inside * (2.0 * value + inside * slope);
+        // value = b2 + b3 x + ... or b2 + b4 x^2 + ...
+        let slope = inside * (2.0 * value + inside * slope * step_slope);
         let value = b[0] + inside * inside * value;
         (value + slope * (x - inside), slope)
     }
 
     /// Root of `f(x) r = x z`.
-    fn root(b: &[f64], r: f64, z: f64) -> Option<f64> {
+    fn root(&self, b: &[f64], r: f64, z: f64) -> Option<f64> {
         let residual = |x: f64| {
-            let (value, slope) = Self::evaluate(b, x);
+            let (value, slope) = self.evaluate(b, x);
             (value * r - z * x, slope * r - z)
         };
         if b[0] <= 0.0 {
@@ -119,14 +152,15 @@ impl OcamLens {
 impl Lens for OcamLens {
     fn name(&self) -> String {
         let skew = if self.skew { ", skew" } else { "" };
-        format!("ocam, degree {}{skew}", self.degree)
+        let even = if self.even { ", even" } else { "" };
+        format!("ocam, degree {}{even}{skew}", self.degree)
     }
 
     fn describe(&self) -> Vec<(String, f64)> {
         let fixed = ["centre_px[0]", "centre_px[1]", "affine[0]", "affine[1]"];
         let fixed = fixed[..self.offset()].iter();
         let mut names: Vec<(String, f64)> = fixed.map(|name| ((*name).into(), 1.0)).collect();
-        for k in std::iter::once(0).chain(2..=self.degree) {
+        for k in self.powers() {
             let factor = self.scale_px.powi(1 - k as i32);
             names.push((format!("polynomial[{k}]"), factor));
         }
@@ -134,17 +168,17 @@ impl Lens for OcamLens {
     }
 
     fn count(&self) -> usize {
-        self.offset() + self.degree
+        self.offset() + self.powers().count()
     }
 
     fn project(&self, p: &[f64], ray: &Vector3<f64>) -> Option<Projection> {
         let b = &p[self.offset()..];
         let (r, z) = (libm::hypot(ray.x, ray.y), ray.z);
-        let x = Self::root(b, r, z)?;
-        let (_, slope) = Self::evaluate(b, x);
+        let x = self.root(b, r, z)?;
+        let (_, slope) = self.evaluate(b, x);
         // F(x, b, r, z) = f(x) r - x z = 0: dx = -(F_b db + F_r dr + F_z dz) / F_x.
         let by_x = slope * r - z;
-        let (value, _) = Self::evaluate(b, x);
+        let (value, _) = self.evaluate(b, x);
         let s = self.scale_px;
         let slopes = [-s * value / by_x, s * x / by_x];
         let (ideal, ideal_by_ray) = radial(ray, s * x, slopes, s * b[0] / z);
@@ -162,9 +196,8 @@ impl Lens for OcamLens {
             let by_polynomial = &mut by_lens[self.offset()..];
             by_polynomial[0] = outward;
             let (inside, beyond) = (x.min(1.0), (x - 1.0).max(0.0));
-            let mut power = inside;
-            for (k, by) in (2..=self.degree).zip(&mut by_polynomial[1..]) {
-                power *= inside;
+            for (k, by) in self.powers().zip(by_polynomial).skip(1) {
+                let power = inside.powi(k as i32);
                 *by = outward * (power + k as f64 * beyond);
             }
         }
@@ -180,13 +213,13 @@ impl Lens for OcamLens {
         let [c, d] = self.affine(p);
         let ideal = Vector2::new(offset.x, (offset.y - d * offset.x) / c);
         let x = ideal.norm() / self.scale_px;
-        let z = self.scale_px * Self::evaluate(&p[self.offset()..], x).0;
+        let z = self.scale_px * self.evaluate(&p[self.offset()..], x).0;
         Some(Vector3::new(ideal.x, ideal.y, z))
     }
 
     fn from_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>> {
         // f(rho) sin(theta) = rho cos(theta), linear in b.
-        let powers: Vec<i32> = std::iter::once(0).chain(2..=self.degree as i32).collect();
+        let powers: Vec<i32> = self.powers().map(|k| k as i32).collect();
         let matrix = DMatrix::from_fn(profile.len(), powers.len(), |i, k| {
             libm::sin(profile[i][1]) * (profile[i][0] / self.scale_px).powi(powers[k])
         });
@@ -203,9 +236,8 @@ impl Lens for OcamLens {
     fn camera(&self, p: &[f64], radius_px: f64) -> Result<CameraModel, ParameterError> {
         let mut polynomial = vec![0.0; self.degree + 1];
         let b = &p[self.offset()..];
-        polynomial[0] = b[0] * self.scale_px;
-        for k in 2..=self.degree {
-            polynomial[k] = b[k - 1] * self.scale_px.powi(1 - k as i32);
+        for (k, b) in self.powers().zip(b) {
+            polynomial[k] = b * self.scale_px.powi(1 - k as i32);
         }
         let [c, d] = self.affine(p);
         Ocam::new(polynomial, [p[0], p[1]], [c, d, 0.0], radius_px).map(CameraModel::Ocam)

@@ -1,0 +1,391 @@
+use nalgebra::{Rotation3, Vector3};
+use proptest::prelude::*;
+use tectum_optics::CameraModel;
+use tectum_optics::camera::Ocam;
+
+use super::*;
+use crate::{BoardPose, BoardSize, Corner, Rejection};
+
+const SIZE_PX: [u32; 2] = [1280, 960];
+
+/// A lens of 190 degrees across the picture's height, exactly of degree 4.
+fn truth() -> CameraModel {
+    let polynomial = vec![300.0, 0.0, -9e-4, 3e-7, -6e-10];
+    let lens = Ocam::new(polynomial, [642.3, 476.1], [1.0, 0.0, 0.0], 800.0);
+    CameraModel::Ocam(lens.expect("a lens"))
+}
+
+fn board() -> Board {
+    Board {
+        size: BoardSize {
+            columns: 7,
+            rows: 5,
+        },
+        square_mm: 30.0,
+    }
+}
+
+/// Uniform in 0..1 (SplitMix64, Steele et al. 2014).
+fn uniform(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Unit normal (Box & Muller 1958).
+fn normal(state: &mut u64) -> f64 {
+    let radius = (-2.0 * libm::log(1.0 - uniform(state))).sqrt();
+    radius * libm::cos(std::f64::consts::TAU * uniform(state))
+}
+
+/// Boards all over the field, tilted in turn; corner (0, 0) is first.
+fn pose(index: usize) -> BoardPose {
+    let azimuth = 2.4 * index as f64;
+    let off_axis = 1.35 * ((index as f64 + 0.5) / 12.0).fract().sqrt();
+    let facing = Rotation3::from_euler_angles(0.0, 0.0, azimuth)
+        * Rotation3::from_euler_angles(0.0, off_axis, 0.0);
+    let tilt = Rotation3::from_euler_angles(
+        0.5 * libm::sin(1.7 * index as f64),
+        0.5 * libm::cos(2.9 * index as f64),
+        -azimuth + 0.3,
+    );
+    let centre = board().corner_mm(3, 2);
+    let distance_mm = 260.0 + 20.0 * (index % 4) as f64;
+    let rotation = facing * tilt;
+    BoardPose {
+        rotation,
+        position_mm: facing * Vector3::z() * distance_mm - rotation * centre,
+    }
+}
+
+fn view(lens: &CameraModel, pose: &BoardPose, noise_px: f64, seed: &mut u64) -> View {
+    let labels = (0..board().size.rows).flat_map(|j| (0..board().size.columns).map(move |i| (i, j)));
+    let corners = labels.filter_map(|(i, j)| {
+        let [x, y] = lens.project(&pose.apply(&board().corner_mm(i, j))).ok()?;
+        let inside = (0.0..1279.0).contains(&x) && (0.0..959.0).contains(&y);
+        inside.then(|| Corner {
+            i,
+            j,
+            position_px: [x + noise_px * normal(seed), y + noise_px * normal(seed)],
+            sigma_px: noise_px,
+        })
+    });
+    View {
+        corners: corners.collect(),
+    }
+}
+
+fn problem(views: usize, noise_px: f64, mut seed: u64) -> Problem {
+    let views = (0..views).map(|index| view(&truth(), &pose(index), noise_px, &mut seed));
+    Problem {
+        size_px: SIZE_PX,
+        board: board(),
+        views: views.collect(),
+    }
+}
+
+fn fixed_degree() -> Options {
+    Options {
+        degree: Some(4),
+        ..Options::default()
+    }
+}
+
+/// Greatest gap of pixels to the true lens over rays to 85 degrees off axis, px.
+fn gap_px(model: &CameraModel) -> f64 {
+    let rays = (0..200).map(|i| {
+        let (theta, azimuth) = (1.48 * f64::from(i) / 200.0, 2.4 * f64::from(i));
+        let sin = libm::sin(theta);
+        Vector3::new(sin * libm::cos(azimuth), sin * libm::sin(azimuth), libm::cos(theta))
+    });
+    rays.map(|ray| {
+        let ours = model.project(&ray).expect("in the field");
+        let exact = truth().project(&ray).expect("in the field");
+        libm::hypot(ours[0] - exact[0], ours[1] - exact[1])
+    })
+    .fold(0.0, f64::max)
+}
+
+#[test]
+fn exact_corners_give_the_exact_lens() {
+    let problem = problem(12, 0.0, 1);
+    let result = calibrate(&problem, &Options::default()).expect("calibrates");
+    // The refinement ends where the cost, already near rounding, falls no more.
+    assert!(result.rms_px < 1e-6, "{}", result.rms_px);
+    assert!(gap_px(&result.model) < 1e-4, "{}", gap_px(&result.model));
+    assert_eq!(result.views_used(), 12);
+    for (index, fit) in result.views.iter().enumerate() {
+        let (found, exact) = (fit.pose.expect("a pose"), pose(index));
+        assert!((found.position_mm - exact.position_mm).norm() < 1e-4);
+        assert!(found.rotation.angle_to(&exact.rotation) < 1e-6);
+    }
+}
+
+#[test]
+fn residuals_are_seen_minus_computed() {
+    let problem = problem(8, 0.2, 5);
+    let result = calibrate(&problem, &fixed_degree()).expect("calibrates");
+    for (fit, view) in result.views.iter().zip(&problem.views) {
+        for (corner, seen) in fit.corners.iter().zip(&view.corners) {
+            let point = fit.pose.expect("a pose").apply(&board().corner_mm(seen.i, seen.j));
+            let computed = result.model.project(&point).expect("in the field");
+            for k in 0..2 {
+                let residual = seen.position_px[k] - computed[k];
+                // Rounding of pixels near 1e3 and of the root.
+                assert!((residual - corner.residual_px[k]).abs() < 1e-8);
+            }
+        }
+    }
+}
+
+#[test]
+fn standard_errors_cover_the_truth() {
+    let (mut inside, mut all, mut chi2) = (0, 0, 0.0);
+    let mut angles = (0.0, 0.0);
+    for seed in 0..50 {
+        let problem = problem(10, 0.1, 1000 + seed);
+        let result = calibrate(&problem, &fixed_degree()).expect("calibrates");
+        let exact = [642.3, 476.1, 1.0, 300.0];
+        let names = ["centre_px[0]", "centre_px[1]", "affine[0]", "polynomial[0]"];
+        for (name, exact) in names.into_iter().zip(exact) {
+            let parameter = result.parameters.iter().find(|p| p.name == name).expect("there");
+            let off = (parameter.value - exact) / parameter.standard_error;
+            chi2 += off * off;
+            all += 1;
+            inside += usize::from(off.abs() < 2.0);
+        }
+        let uncertainty = AngularUncertainty::new(&result).expect("a polynomial");
+        let pixel = [900.0, 600.0];
+        let ray = result.model.unproject(pixel).expect("a ray");
+        let off = tectum_optics::convention::angle_between(
+            &ray,
+            &truth().unproject(pixel).expect("a ray"),
+        );
+        let sigma = uncertainty.sigma_rad(pixel).expect("in the image");
+        assert!(uncertainty.rotation_free_sigma_rad(pixel).expect("in the image") < sigma);
+        angles.0 += off * off;
+        angles.1 += sigma * sigma;
+    }
+    // 95.4 % of a normal variable lie within two sigma; 200 draws, correlated within a run, spread
+    // by some 2.5 %.
+    let share = f64::from(u32::try_from(inside).unwrap()) / f64::from(all);
+    assert!((0.89..=1.0).contains(&share), "{share}");
+    // Mean of chi^2 is 1; the same 200 draws spread it by 0.1 to 0.2.
+    let mean = chi2 / f64::from(all);
+    assert!((0.7..1.4).contains(&mean), "{mean}");
+    // Two components in each of 50 runs: 14 % of the ratio, three times.
+    let ratio = angles.0 / angles.1;
+    assert!((0.58..1.42).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn bad_corners_and_a_scrambled_view_are_thrown_out() {
+    let mut problem = problem(12, 0.1, 3);
+    let mut moved = Vec::new();
+    for view in 0..11 {
+        let corner = (5 * view) % problem.views[view].corners.len();
+        problem.views[view].corners[corner].position_px[view % 2] -= 4.0 + view as f64;
+        moved.push((view, corner));
+    }
+    // A board whose labels are shuffled.
+    let places: Vec<[f64; 2]> = problem.views[11].corners.iter().map(|c| c.position_px).collect();
+    let count = places.len();
+    for (k, corner) in problem.views[11].corners.iter_mut().enumerate() {
+        corner.position_px = places[(k * 11 + 3) % count];
+    }
+    let result = calibrate(&problem, &Options::default()).expect("calibrates");
+    for (view, corner) in moved {
+        assert!(!result.views[view].corners[corner].used, "{view} {corner}");
+    }
+    assert!(matches!(
+        result.views[11].rejection,
+        Some(Rejection::NoPose { .. })
+    ));
+    assert_eq!(result.views_used(), 11);
+    // Of good corners no more than the normal tail beyond four sigma and its like.
+    let good: usize = problem.views[..11].iter().map(|view| view.corners.len() - 1).sum();
+    assert!(result.corners_used() + 5 > good, "{} of {good}", result.corners_used());
+    // Some 0.1 px over the root of the number of corners, enlarged at the rim.
+    assert!(gap_px(&result.model) < 0.3, "{}", gap_px(&result.model));
+}
+
+#[test]
+fn the_origin_of_labels_changes_nothing_but_poses() {
+    let mut shifted = problem(9, 0.1, 4);
+    let plain = calibrate(&shifted, &fixed_degree()).expect("calibrates");
+    for (k, view) in shifted.views.iter_mut().enumerate() {
+        for corner in &mut view.corners {
+            corner.i += 3 * k as u16;
+            corner.j += 40;
+        }
+    }
+    let moved = calibrate(&shifted, &fixed_degree()).expect("calibrates");
+    let pairs = plain.parameters.iter().zip(&moved.parameters);
+    for (a, b) in pairs {
+        // Rounding of the labels' mean, carried through the refinement.
+        assert!((a.value - b.value).abs() < 1e-4 * a.standard_error, "{} {} {}", a.name, a.value, b.value);
+    }
+    let (a, b) = (plain.views[2].pose.unwrap(), moved.views[2].pose.unwrap());
+    let gap = a.apply(&board().corner_mm(1, 1)) - b.apply(&board().corner_mm(7, 41));
+    assert!(gap.norm() < 1e-4, "{gap}");
+}
+
+#[test]
+fn parts_of_boards_are_enough() {
+    let mut problem = problem(14, 0.1, 6);
+    for (k, view) in problem.views.iter_mut().enumerate() {
+        let (i, j) = ((k % 3) as u16, (k % 2) as u16);
+        view.corners.retain(|c| (i..i + 5).contains(&c.i) && (j..j + 4).contains(&c.j));
+        for corner in &mut view.corners {
+            corner.i -= i;
+            corner.j -= j;
+        }
+    }
+    problem.views[5].corners.truncate(3);
+    let result = calibrate(&problem, &Options::default()).expect("calibrates");
+    assert_eq!(
+        result.views[5].rejection,
+        Some(Rejection::TooFewCorners { corners: 3 })
+    );
+    assert_eq!(result.views_used(), 13);
+    // Fewer corners than whole boards, the rim less often seen.
+    assert!(gap_px(&result.model) < 0.6, "{}", gap_px(&result.model));
+}
+
+#[test]
+fn other_models_are_fitted_and_scored() {
+    let options = Options {
+        model: Model::KannalaBrandt,
+        ..fixed_degree()
+    };
+    let result = calibrate(&problem(10, 0.1, 7), &options).expect("calibrates");
+    assert!(matches!(result.model, CameraModel::KannalaBrandt(_)));
+    // Four coefficients hold this lens to a tenth of a pixel.
+    assert!(gap_px(&result.model) < 0.5, "{}", gap_px(&result.model));
+    for name in ["ocam, degree 4", "kannala_brandt", "double_sphere"] {
+        let score = result.scores.iter().find(|score| score.name == name).expect("scored");
+        assert!(score.held_out_rms_px.expect("enough views") < 3.0, "{score:?}");
+    }
+    assert!(AngularUncertainty::new(&result).is_some());
+}
+
+fn refusal(problem: &Problem) -> CalibrateError {
+    calibrate(problem, &Options::default()).expect_err("no camera in this")
+}
+
+#[test]
+fn input_that_is_none_is_refused() {
+    let good = problem(6, 0.1, 8);
+    let with = |change: &dyn Fn(&mut Problem)| {
+        let mut bad = good.clone();
+        change(&mut bad);
+        refusal(&bad)
+    };
+    assert_eq!(with(&|p| p.views.clear()), CalibrateError::NoViews);
+    let few = with(&|p| p.views.truncate(1));
+    assert!(matches!(few, CalibrateError::TooFewViews { usable: 1, .. }));
+    assert!(few.to_string().contains("at least 3"), "{few}");
+    let nan = with(&|p| p.views[1].corners[2].position_px[0] = f64::NAN);
+    assert!(matches!(nan, CalibrateError::BadCorner { view: 1, corner: 2, .. }));
+    let double = with(&|p| p.views[0].corners[1].i = p.views[0].corners[0].i);
+    assert!(matches!(double, CalibrateError::DoubleLabel { view: 0, .. }));
+    let board = with(&|p| p.board.size.columns = 4);
+    assert!(matches!(board, CalibrateError::WrongBoard { columns: 7, .. }));
+    let square = with(&|p| p.board.square_mm = 0.0);
+    assert!(matches!(square, CalibrateError::BadSize { .. }));
+    let size = with(&|p| p.size_px[1] = 0);
+    assert!(matches!(size, CalibrateError::BadSize { .. }));
+}
+
+#[test]
+fn parallel_boards_are_refused() {
+    let mut seed = 9;
+    let views = (0..8).map(|k| {
+        let (x, y) = (f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0);
+        let pose = BoardPose {
+            rotation: Rotation3::identity(),
+            position_mm: Vector3::new(120.0 * x - 90.0, 110.0 * y - 60.0, 250.0),
+        };
+        view(&truth(), &pose, 0.1, &mut seed)
+    });
+    let problem = Problem {
+        views: views.collect(),
+        ..problem(0, 0.0, 0)
+    };
+    let refused = refusal(&problem);
+    assert!(matches!(refused, CalibrateError::Parallel { .. }), "{refused}");
+}
+
+#[test]
+fn boards_in_one_corner_are_refused() {
+    let mut problem = problem(40, 0.1, 10);
+    for view in &mut problem.views {
+        view.corners.retain(|c| c.position_px[0] < 500.0 && c.position_px[1] < 400.0);
+    }
+    problem.views.retain(|view| view.corners.len() > 20);
+    let refused = refusal(&problem);
+    assert!(matches!(refused, CalibrateError::OneCorner { .. }), "{refused}");
+}
+
+#[test]
+fn mirrored_pictures_are_refused() {
+    let mut problem = problem(8, 0.1, 11);
+    for view in &mut problem.views {
+        for corner in &mut view.corners {
+            corner.position_px[0] = 1279.0 - corner.position_px[0];
+        }
+    }
+    assert_eq!(refusal(&problem), CalibrateError::Mirrored);
+    let options = Options {
+        mirrored_labels: true,
+        ..Options::default()
+    };
+    let result = calibrate(&problem, &options).expect("labels may be mirrored");
+    assert!(result.rms_px < 0.2, "{}", result.rms_px);
+}
+
+#[test]
+fn another_board_in_most_pictures_is_no_fit() {
+    let mut problem = problem(9, 0.1, 12);
+    let mut seed = 13;
+    for view in &mut problem.views[..7] {
+        for corner in &mut view.corners {
+            corner.position_px = [1279.0 * uniform(&mut seed), 959.0 * uniform(&mut seed)];
+        }
+    }
+    let refused = refusal(&problem);
+    assert!(matches!(refused, CalibrateError::NoFit { .. }), "{refused}");
+}
+
+proptest! {
+    // Each case is a whole calibration.
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn garbage_never_panics(
+        views in prop::collection::vec(
+            prop::collection::vec((0u16..12, 0u16..12, -10.0..1300.0, -10.0..1000.0), 0..30),
+            0..7,
+        ),
+        flat in any::<bool>(),
+    ) {
+        let corner = |(i, j, x, y): (u16, u16, f64, f64)| Corner {
+            i,
+            j: if flat { 0 } else { j },
+            position_px: if flat { [x.round(), 7.0] } else { [x, y] },
+            sigma_px: 0.1,
+        };
+        let views = views.into_iter().map(|corners| {
+            let mut corners: Vec<Corner> = corners.into_iter().map(corner).collect();
+            corners.sort_by_key(|c| (c.j, c.i));
+            corners.dedup_by_key(|c| (c.j, c.i));
+            View { corners }
+        });
+        let board = Board { size: BoardSize { columns: 12, rows: 12 }, square_mm: 10.0 };
+        let problem = Problem { size_px: SIZE_PX, board, views: views.collect() };
+        if let Ok(result) = calibrate(&problem, &Options::default()) {
+            prop_assert!(result.rms_px.is_finite());
+        }
+    }
+}
