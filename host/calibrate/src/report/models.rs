@@ -26,13 +26,31 @@ fn scores(facts: &Facts) -> String {
         )
     });
     let rows: String = rows.collect();
+    let sound = facts
+        .input
+        .calibration
+        .scores
+        .iter()
+        .filter(|score| score.failure.is_none());
+    let held_out = sound.filter_map(|score| Some((score, score.held_out_rms_px?)));
+    let best = held_out
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(score, rms_px)| {
+            let name = escape(&score.name);
+            format!(
+                " The lowest held-out figure is that of {name}, {} px.",
+                figure(rms_px, 4)
+            )
+        });
+    let best = best.unwrap_or_default();
     format!(
         "<section id=\"models\"><h2>Models tried</h2>\n<div class=\"wide\"><table>\
          <tr><th>model</th><th class=\"n\">parameters</th><th class=\"n\">own pictures, px</th>\
          <th class=\"n\">held out, px</th><th></th></tr>\n{rows}</table></div>\
          <p class=\"dim\">2-D RMS over the same corners. Held out: the lens from the other \
-         pictures, the pose alone refitted. The held-out figure decides; a higher degree always \
-         fits its own pictures better.</p></section>\n"
+         pictures, the pose alone refitted. Chosen is the simplest of its kind that the best of \
+         them beats by no more than chance: a higher degree always fits its own pictures \
+         better.{best}</p></section>\n"
     )
 }
 
