@@ -1,0 +1,88 @@
+//! Inner corners of a chessboard.
+
+mod candidates;
+mod complete;
+mod grid;
+mod lattice;
+mod links;
+mod placed;
+mod plane;
+mod ring;
+mod saddle;
+
+use image::GrayImage;
+
+use crate::board::{BoardSize, Corner, View};
+
+/// Fewest corners that are a view of a board.
+const LEAST_CORNERS: usize = 9;
+/// Levels of the pyramid have at least this many rows and columns, px.
+const LEAST_LEVEL_PX: usize = 60;
+/// The largest grids of candidates are tried, this many.
+const TRIES: usize = 3;
+
+/// Why a picture shows no board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum BoardMissing {
+    /// Nothing like a chessboard.
+    #[error("no chessboard found")]
+    Nothing,
+    /// A chessboard of another size.
+    #[error("the board in the picture has {seen} inner corners or more, not {wanted}")]
+    OtherSize {
+        /// Size that is seen.
+        seen: BoardSize,
+        /// Size asked for.
+        wanted: BoardSize,
+    },
+}
+
+/// Finds the inner corners of a chessboard, strongly distorted, blurred or partly visible.
+///
+/// Corners are right or left out: each is fitted to the picture with its edges and must lie where
+/// its neighbours say. Labels run from (0, 0); i along the columns, j along the rows, turning as +x
+/// turns to +y in the picture. Of a board that is wholly seen and looks different turned round, the
+/// square diagonally outside corner (0, 0) is black; see [`View`] for the others.
+///
+/// # Errors
+/// [`BoardMissing`] if there is no board, or one of another size.
+pub fn detect(picture: &GrayImage, board: BoardSize) -> Result<View, BoardMissing> {
+    let levels = plane::pyramid(picture, LEAST_LEVEL_PX);
+    let candidates = candidates::candidates(&levels);
+    let links = links::links(&levels, &candidates);
+    let grids = grid::grids(&candidates, &links, LEAST_CORNERS / 2);
+    let lattices = grids
+        .iter()
+        .take(TRIES)
+        .map(|grid| complete::complete(&levels[0], &candidates, grid));
+    let (mut lattice, window) = lattices
+        .filter(|lattice| !lattice.nodes.is_empty())
+        .map(|lattice| {
+            let window = placed::window(&lattice, board);
+            (lattice, window)
+        })
+        .max_by_key(|(lattice, window)| {
+            let held = lattice.nodes.keys().filter(|label| window.holds(**label));
+            (held.count(), std::cmp::Reverse(lattice.nodes.len()))
+        })
+        .ok_or(BoardMissing::Nothing)?;
+    if let Some(seen) = placed::larger_board(&lattice, &window) {
+        return Err(BoardMissing::OtherSize { seen, wanted: board });
+    }
+    lattice.nodes.retain(|label, _| window.holds(*label));
+    complete::finish(&levels[0], &mut lattice);
+    if lattice.nodes.len() < LEAST_CORNERS {
+        return Err(BoardMissing::Nothing);
+    }
+    let mut corners: Vec<Corner> = placed::on_board(&lattice, &window, board)
+        .into_iter()
+        .map(|(label, (i, j))| Corner {
+            i: i as u16,
+            j: j as u16,
+            position_px: lattice.nodes[&label].saddle.at,
+            sigma_px: lattice.nodes[&label].sigma_px,
+        })
+        .collect();
+    corners.sort_by_key(|corner| (corner.j, corner.i));
+    Ok(View { corners })
+}
