@@ -16,7 +16,7 @@ pub const SIZE_PX: [u32; 2] = [640, 480];
 pub const HALF_FIELD_RAD: f64 = 105.0 * std::f64::consts::PI / 180.0;
 const NOISE_PX: f64 = 0.15;
 
-/// A session: pictures, corners and the calibration that would come of them.
+/// Pictures, corners and the calibration that would come of them.
 pub struct Sample {
     pub board: Board,
     pub files: Vec<String>,

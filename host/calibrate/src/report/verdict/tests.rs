@@ -1,8 +1,7 @@
 use tectum_optics::Medium;
 
-use super::super::facts::Facts;
 use super::super::sample::{HALF_FIELD_RAD, Sample, sample};
-use super::super::{ReportInput, ReportView};
+use super::super::{ReportInput, ReportView, judge};
 use super::{Trust, Verdict};
 use crate::Calibration;
 
@@ -35,7 +34,7 @@ fn verdict(sample: &Sample) -> Verdict {
         angular_sigma_rad: &|_| None,
         rotation_free_sigma_rad: None,
     };
-    Facts::new(&input).verdict
+    judge(&input)
 }
 
 fn told(change: impl Fn(&mut Calibration)) -> Verdict {
