@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(dictionary.name(), "DICT_4X4_50");
         assert_eq!((dictionary.side(), dictionary.markers()), (4, 50));
         let error = "DICT_9X9_50".parse::<Dictionary>().unwrap_err().to_string();
-        assert!(error.starts_with("\"DICT_9X9_50\" is no dictionary: known are DICT_4X4_1000,"));
+        assert!(error.starts_with("\"DICT_9X9_50\" is no dictionary: known are DICT_4X4_100,"));
     }
 
     #[test]
