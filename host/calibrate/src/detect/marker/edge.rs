@@ -13,6 +13,9 @@ const HALF_WIDTH_PX: f64 = 1.75;
 
 const STEP_PX: f64 = 0.25;
 
+/// Least step over a pixel, of full light: less is noise.
+const MIN_RISE: f64 = 0.004;
+
 /// Where dark turns to light, seen outward along normals a pixel or so apart, up to `reach_px` from
 /// the side as it is.
 pub(super) fn points(plane: &Plane, side: &Side, reach_px: f64) -> Vec<Vector2<f64>> {
@@ -34,11 +37,11 @@ fn edge(
     outward: Vector2<f64>,
     reach_px: f64,
 ) -> Option<Vector2<f64>> {
-    let level = |s: f64| {
+    let light = |s: f64| {
         let at = middle + outward * s;
-        plane.level([at.x, at.y])
+        plane.light([at.x, at.y])
     };
-    let rise = |s: f64| (level(s + 0.5) - level(s - 0.5)).max(0.0);
+    let rise = |s: f64| (light(s + 0.5) - light(s - 0.5)).max(0.0);
     let outer = middle + outward * (reach_px + 1.0);
     if !plane.holds([outer.x, outer.y]) {
         return None;
@@ -51,8 +54,7 @@ fn edge(
             (centre, most) = (s, rise(s));
         }
     }
-    // A step of less than 2 grey levels a pixel is noise.
-    if most < 2.0 {
+    if most < MIN_RISE {
         return None;
     }
     let window = (HALF_WIDTH_PX / STEP_PX) as i32;

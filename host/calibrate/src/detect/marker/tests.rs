@@ -30,7 +30,8 @@ fn drawn(id: u32, [x, y]: [f64; 2], side_px: f64) -> GrayImage {
             let shift = [k % 8, k / 8].map(|n| (f64::from(n) + 0.5) / 8.0 - 0.5);
             f64::from(u8::from(white([at[0] + shift[0], at[1] + shift[1]])))
         };
-        Luma([(30.0 + 180.0 * (0..64).map(sample).sum::<f64>() / 64.0) as u8])
+        let light = 0.02 + 0.6 * (0..64).map(sample).sum::<f64>() / 64.0;
+        Luma([(255.0 * (1.055 * light.powf(1.0 / 2.4) - 0.055) + 0.5) as u8])
     })
 }
 
