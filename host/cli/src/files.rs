@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use tectum_tables::Tables;
+use tempfile::NamedTempFile;
 
 /// Reads a whole file; an empty one is an error.
 pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
@@ -32,7 +33,21 @@ pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_whole(path, bytes).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
+/// Refuses early what [`write`] would refuse after long work. Makes the folder.
+pub fn check_writable(path: &Path) -> anyhow::Result<()> {
+    let place = new_file(path).with_context(|| format!("{}: cannot be written", path.display()));
+    place.map(drop)
+}
+
 fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let mut file = new_file(path)?;
+    file.write_all(bytes)?;
+    file.persist(path)?;
+    Ok(())
+}
+
+/// A file under another name in the folder of `path`; it goes away when dropped.
+fn new_file(path: &Path) -> anyhow::Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -48,8 +63,5 @@ fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
         // As any new file: readable by others, less what the umask takes.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.prefix(".tectum-").tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.persist(path)?;
-    Ok(())
+    Ok(builder.prefix(".tectum-").tempfile_in(folder)?)
 }

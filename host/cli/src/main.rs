@@ -2,6 +2,7 @@
 
 mod areas;
 mod args;
+mod detecting;
 mod draw;
 mod files;
 mod frames;

@@ -1,23 +1,33 @@
-//! Pictures in and out (PNG, JPEG, PNM).
+//! Pictures in (PNG, JPEG, PNM, BMP, TIFF) and out (PNG, JPEG, PNM).
 
 use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use image::{DynamicImage, ImageFormat, ImageReader, RgbImage};
+use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, RgbImage};
 
 use crate::files;
 
 /// Reads a picture as 8-bit RGB.
 pub fn load(path: &Path) -> anyhow::Result<RgbImage> {
+    Ok(decode(path)?.into_rgb8())
+}
+
+/// Reads a picture as 8-bit gray.
+pub fn load_gray(path: &Path) -> anyhow::Result<GrayImage> {
+    Ok(decode(path)?.into_luma8())
+}
+
+fn decode(path: &Path) -> anyhow::Result<DynamicImage> {
     let bytes = files::read(path)?;
     let decoded = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(anyhow::Error::from)
         .and_then(|reader| Ok(reader.decode()?));
-    let picture =
-        decoded.with_context(|| format!("{}: not a sound PNG, JPEG or PNM", path.display()))?;
-    Ok(picture.into_rgb8())
+    decoded.with_context(|| {
+        let path = path.display();
+        format!("{path}: not a sound PNG, JPEG, PNM, BMP or TIFF")
+    })
 }
 
 /// Refuses a picture that is not `needed` px.

@@ -1,5 +1,6 @@
 //! Progress on stderr, drawn only on a terminal.
 
+use std::borrow::Cow;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -21,7 +22,7 @@ impl Progress {
     }
 
     /// Begins the next step.
-    pub fn step(&self, what: &'static str) {
+    pub fn step(&self, what: impl Into<Cow<'static, str>>) {
         self.0.set_message(what);
         self.0.inc(1);
     }

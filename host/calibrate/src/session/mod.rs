@@ -13,8 +13,8 @@ mod pairs;
 mod pictures;
 mod run;
 
-pub use check::{BadSession, check_views};
+pub use check::{WrongBoard, check_board};
 pub use error::SessionError;
 pub use pairs::{Pairs, pair_by_name};
 pub use pictures::{check_sizes, list};
-pub use run::{Detected, Detections, Found, MarkerFound, Outcome, Picture, Session, Wanted};
+pub use run::{Detected, Detections, Found, Outcome, Picture, Session, Wanted};

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SessionError;
 use super::cache::{Entry, Kept, Key};
+use crate::detect::marker::MarkerView;
 use crate::{BoardSize, View};
 
 /// What is looked for.
@@ -21,22 +22,15 @@ pub struct Wanted {
     pub markers: Option<String>,
 }
 
-/// A marker in a picture.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MarkerFound {
-    /// Identity in the dictionary.
-    pub id: u32,
-    /// Corners `[x, y]`, px, from the print's top left clockwise as one reads it.
-    pub corners_px: [[f64; 2]; 4],
-}
-
 /// What a picture shows.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Found {
     /// The board, if it was found.
     pub board: Option<View>,
+    /// Size of a board that is not the one looked for, or of as much of it as is seen.
+    pub other_board: Option<BoardSize>,
     /// Markers, in the detector's order.
-    pub markers: Vec<MarkerFound>,
+    pub markers: Vec<MarkerView>,
 }
 
 /// A picture that could be read.

@@ -25,7 +25,7 @@ impl Counter {
             board: Some(View {
                 corners: vec![corner],
             }),
-            markers: Vec::new(),
+            ..Found::default()
         }
     }
 

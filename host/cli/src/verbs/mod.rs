@@ -1,12 +1,16 @@
 //! One module a verb.
 
 mod bake;
+mod board;
+mod calibrate;
 mod demo;
+mod detect;
 mod inspect;
 mod lookup;
 mod simulate;
 mod stitch;
 mod verify;
+mod water;
 
 use crate::report::Report;
 
@@ -14,12 +18,16 @@ use crate::report::Report;
 #[derive(clap::Subcommand)]
 pub enum Verb {
     Demo(demo::Args),
+    Board(board::Args),
+    Detect(detect::Args),
+    Calibrate(Box<calibrate::Args>),
     Bake(bake::Args),
     Verify(verify::Args),
     Stitch(stitch::Args),
     Lookup(lookup::Args),
     Inspect(inspect::Args),
     Simulate(simulate::Args),
+    Water(water::Args),
 }
 
 impl Verb {
@@ -27,12 +35,16 @@ impl Verb {
     pub fn run(self) -> anyhow::Result<Report> {
         match self {
             Self::Demo(args) => demo::run(&args),
+            Self::Board(args) => board::run(&args),
+            Self::Detect(args) => detect::run(&args),
+            Self::Calibrate(args) => calibrate::run(&args),
             Self::Bake(args) => bake::run(&args),
             Self::Verify(args) => verify::run(&args),
             Self::Stitch(args) => stitch::run(&args),
             Self::Lookup(args) => lookup::run(&args),
             Self::Inspect(args) => inspect::run(&args),
             Self::Simulate(args) => simulate::run(&args),
+            Self::Water(args) => water::run(&args),
         }
     }
 }

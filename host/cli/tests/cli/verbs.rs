@@ -205,7 +205,15 @@ fn simulate_writes_truth_that_agrees_with_the_rig() {
 fn every_verb_helps_with_examples() {
     let bench = Bench::new();
     for verb in [
-        "demo", "bake", "verify", "stitch", "lookup", "inspect", "simulate",
+        "demo",
+        "detect",
+        "calibrate",
+        "bake",
+        "verify",
+        "stitch",
+        "lookup",
+        "inspect",
+        "simulate",
     ] {
         let help = bench.done(&format!("{verb} --help"));
         assert!(

@@ -1,0 +1,208 @@
+//! `tectum calibrate`: board pictures to an eye.
+
+mod outputs;
+mod shots;
+mod summary;
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use tectum_calibrate::solve::{self, CalibrateError, Options, Problem};
+use tectum_calibrate::{Board, BoardSize, Calibration, Dictionary, View};
+use tectum_optics::Medium;
+
+use crate::report::Report;
+use crate::{detecting, files};
+use shots::Shots;
+
+/// Pictures of a chessboard to a calibrated eye
+#[derive(clap::Args)]
+#[command(after_help = "EXAMPLES:\n  \
+    tectum calibrate session --board 8x6 --square-mm 30 -o eye.toml --report report.html\n  \
+    tectum calibrate near far --board 8x6 --square-mm 30 -o left.toml --medium water\n  \
+    tectum calibrate session --board 8x6 --square-mm 30 -o eye.toml \\\n      \
+    --calib-results calib_results.txt --opencv opencv.yml --kalibr camchain.yaml\n\n\
+    A board is told by its inner corners, columns x rows: 9 x 7 squares are 8x6. 10 pictures or\n\
+    more, the board tilted every way and out to the edge of the image. The lens is OCamCalib's\n\
+    polynomial, its degree chosen on pictures held out; other models are fitted to the same corners\n\
+    and scored beside it. OpenCV and Kalibr files hold a Kannala-Brandt lens fitted to the same\n\
+    corners.\n\n\
+    What is found in each picture is kept at once, in OUT.session beside the output: an\n\
+    interrupted run goes on where it ended, and more pictures cost only themselves.\n\
+    The eye's file goes into a rig as `[left]` with `file = \"eye.toml\"`; its field_deg is what the\n\
+    boards have covered, and a field_deg in the rig goes before it.")]
+pub struct Args {
+    /// Folders of pictures, or pictures, of one eye
+    #[arg(required = true, value_name = "FOLDER")]
+    pictures: Vec<PathBuf>,
+    /// Inner corners of the chessboard, columns x rows
+    #[arg(long, value_name = "8x6", value_parser = detecting::board)]
+    board: BoardSize,
+    /// Side of a square, measured on the print, mm
+    #[arg(long, value_name = "MM", value_parser = square_mm)]
+    square_mm: f64,
+    /// Eye file to write
+    #[arg(short, long, value_name = "EYE.toml")]
+    output: PathBuf,
+    /// Report to write: one HTML page
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// OCamCalib's file to write
+    #[arg(long, value_name = "FILE.txt")]
+    calib_results: Option<PathBuf>,
+    /// OpenCV's file to write (cv::fisheye)
+    #[arg(long, value_name = "FILE.yml")]
+    opencv: Option<PathBuf>,
+    /// Kalibr's file to write (pinhole, equidistant)
+    #[arg(long, value_name = "FILE.yaml")]
+    kalibr: Option<PathBuf>,
+    /// Model of the eye's lens
+    #[arg(long, value_enum, default_value_t = ModelName::Ocam)]
+    model: ModelName,
+    /// Degree of the polynomial (default: chosen on pictures held out)
+    #[arg(long, value_name = "N")]
+    degree: Option<usize>,
+    /// What the pictures were taken in
+    #[arg(long, value_enum, default_value_t = MediumName::Air)]
+    medium: MediumName,
+    /// Full field of the lens as its maker states it, degrees: what coverage is judged by
+    /// (default: seen in the pictures)
+    #[arg(long, value_name = "DEG", value_parser = field_deg)]
+    field_deg: Option<f64>,
+    /// Dictionary of markers beside the board: mirrored pictures are told by them
+    #[arg(long, value_name = "NAME")]
+    markers: Option<Dictionary>,
+    /// Folder that keeps the detections (default: OUT.session beside the output)
+    #[arg(long, value_name = "DIR")]
+    session: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ModelName {
+    /// Polynomial of OCamCalib
+    Ocam,
+    /// OpenCV's fisheye model
+    KannalaBrandt,
+    /// Double sphere
+    DoubleSphere,
+}
+
+impl From<ModelName> for solve::Model {
+    fn from(name: ModelName) -> Self {
+        match name {
+            ModelName::Ocam => Self::Ocam,
+            ModelName::KannalaBrandt => Self::KannalaBrandt,
+            ModelName::DoubleSphere => Self::DoubleSphere,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MediumName {
+    Air,
+    Water,
+}
+
+impl From<MediumName> for Medium {
+    fn from(name: MediumName) -> Self {
+        match name {
+            MediumName::Air => Self::Air,
+            MediumName::Water => Self::Water,
+        }
+    }
+}
+
+fn square_mm(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok();
+    parsed
+        .filter(|mm: &f64| (0.01..=10_000.0).contains(mm))
+        .ok_or_else(|| "needed is a length in mm, 0.01 to 10000".into())
+}
+
+fn field_deg(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok();
+    parsed
+        .filter(|deg: &f64| *deg > 0.0 && *deg <= 358.0)
+        .ok_or_else(|| "needed is a full angle in degrees, above 0, at most 358".into())
+}
+
+/// Calibrates one eye.
+pub fn run(args: &Args) -> anyhow::Result<Report> {
+    for file in args.outputs() {
+        files::check_writable(file)?;
+    }
+    let shots = shots::take(args)?;
+    let kept = |error| shots.and_kept(error);
+    let eye = CalibratedShots::new(args, &shots, args.model.into()).map_err(kept)?;
+    outputs::write(args, &eye).map_err(kept)?;
+    summary::report(args, &eye)
+}
+
+impl Args {
+    /// All files to write.
+    fn outputs(&self) -> impl Iterator<Item = &Path> {
+        let others = [
+            &self.report,
+            &self.calib_results,
+            &self.opencv,
+            &self.kalibr,
+        ];
+        let others = others.into_iter().flatten();
+        std::iter::once(&self.output)
+            .chain(others)
+            .map(|path| &**path)
+    }
+
+    fn board(&self) -> Board {
+        Board {
+            size: self.board,
+            square_mm: self.square_mm,
+        }
+    }
+
+    fn session_folder(&self) -> PathBuf {
+        let beside = || self.output.with_extension("session");
+        self.session.clone().unwrap_or_else(beside)
+    }
+}
+
+/// Pictures and the camera that they give.
+struct CalibratedShots<'a> {
+    shots: &'a Shots,
+    calibration: Calibration,
+}
+
+impl<'a> CalibratedShots<'a> {
+    fn new(args: &Args, shots: &'a Shots, model: solve::Model) -> anyhow::Result<Self> {
+        let problem = Problem {
+            size_px: shots.size_px,
+            board: args.board(),
+            views: shots.views().map(|(_, _, view)| view.clone()).collect(),
+        };
+        let options = Options {
+            model,
+            degree: args.degree,
+            ..Options::default()
+        };
+        let calibration = solve::calibrate(&problem, &options).map_err(|error| match error {
+            // These count pictures; their names say more.
+            CalibrateError::BadCorner { view, .. }
+            | CalibrateError::WrongBoard { view, .. }
+            | CalibrateError::DoubleLabel { view, .. } => {
+                let file = shots
+                    .views()
+                    .nth(view)
+                    .map(|(file, ..)| file.display().to_string());
+                anyhow::anyhow!("{}: {error}", file.unwrap_or_default())
+            }
+            _ => error.into(),
+        })?;
+        Ok(Self { shots, calibration })
+    }
+
+    /// File, hash and corners of each view, beside what became of it.
+    fn views(&self) -> impl Iterator<Item = (&Path, &str, &View, &tectum_calibrate::ViewFit)> {
+        let views = self.shots.views().zip(&self.calibration.views);
+        views.map(|((file, sha256, view), fit)| (file, sha256, view, fit))
+    }
+}

@@ -1,0 +1,158 @@
+//! The files that a calibration leaves.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, bail};
+use image::GrayImage;
+use tectum_calibrate::Calibration;
+use tectum_calibrate::report::{self, ReportInput, ReportView};
+use tectum_calibrate::solve::{AngularUncertainty, Model};
+use tectum_optics::io::opencv_yaml::{FileStorage, FisheyeCalib};
+use tectum_optics::io::{CalibratedCamera, kalibr, ocam_calib::OcamCalib};
+use tectum_optics::{CalibratedEye, CameraModel, Eye, Field, Provenance};
+
+use super::{Args, CalibratedShots};
+use crate::{files, pictures};
+
+/// Pictures that show where the image circle ends: more add nothing.
+const RIM_PICTURES: usize = 16;
+
+/// Writes all that is asked for.
+pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
+    let size_px = frame_size(&eye.calibration)?;
+    let toml = eye_file(args, eye)?.to_toml()?;
+    files::write(&args.output, toml.as_bytes())?;
+    if let Some(path) = &args.calib_results {
+        let CameraModel::Ocam(model) = of_model(args, eye, Model::Ocam)? else {
+            bail!("the polynomial is no polynomial: a bug");
+        };
+        let text = OcamCalib::from_model(&model, size_px).to_text();
+        files::write(path, text.as_bytes())?;
+    }
+    if args.opencv.is_some() || args.kalibr.is_some() {
+        let model = of_model(args, eye, Model::KannalaBrandt)?;
+        if let Some(path) = &args.kalibr {
+            let model = model.clone();
+            let text = kalibr::to_text(&[CalibratedCamera { model, size_px }])?;
+            files::write(path, text.as_bytes())?;
+        }
+        if let (Some(path), CameraModel::KannalaBrandt(model)) = (&args.opencv, model) {
+            let calib = FisheyeCalib {
+                model,
+                size_px: Some(size_px),
+            };
+            files::write(path, FileStorage::from(&calib).to_text().as_bytes())?;
+        }
+    }
+    if let Some(path) = &args.report {
+        let html = with_report_input(args, eye, usize::MAX, report::html)?;
+        files::write(path, html.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// What the report says in words, without the report.
+pub fn verdict(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<report::verdict::Verdict> {
+    with_report_input(args, eye, RIM_PICTURES, report::judge)
+}
+
+fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
+    let [width, height] = calibration.size_px.map(u16::try_from);
+    Ok([width?, height?])
+}
+
+/// The same corners' camera of another model.
+fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Result<CameraModel> {
+    if Model::from(args.model) == model {
+        return Ok(eye.calibration.model.clone());
+    }
+    let other = CalibratedShots::new(args, eye.shots, model).context("export")?;
+    Ok(other.calibration.model)
+}
+
+fn eye_file(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<CalibratedEye> {
+    let calibration = &eye.calibration;
+    let used = eye.views().filter(|(.., fit)| fit.rejection.is_none());
+    Ok(CalibratedEye {
+        medium: args.medium.into(),
+        eye: Eye {
+            size_px: frame_size(calibration)?,
+            model: calibration.model.clone(),
+            field: Field::new(vec![calibration.field_rad])?,
+        },
+        calibration: Some(Provenance {
+            made_by: concat!("tectum ", env!("CARGO_PKG_VERSION")).into(),
+            board: args.board.to_string(),
+            square_mm: args.square_mm,
+            images: eye.shots.detections.pictures.len(),
+            accepted: calibration.views_used(),
+            corners: calibration.corners_used(),
+            rms_px: calibration.rms_px,
+            held_out_rms_px: calibration.held_out_rms_px,
+            standard_errors: standard_errors(calibration),
+            pictures_sha256: used
+                .map(|(file, sha256, ..)| (file.display().to_string(), sha256.to_owned()))
+                .collect(),
+        }),
+    })
+}
+
+/// By key of the eye's file, which has the polynomial in the toolbox's convention.
+fn standard_errors(calibration: &Calibration) -> BTreeMap<String, f64> {
+    let toolbox = matches!(calibration.model, CameraModel::Ocam(_));
+    let key = |name: &str| match name {
+        "centre_px[0]" if toolbox => "centre_row_column[1]".to_owned(),
+        "centre_px[1]" if toolbox => "centre_row_column[0]".to_owned(),
+        _ if toolbox => name.replace("polynomial[", "direct["),
+        _ => name.to_owned(),
+    };
+    let parameters = calibration.parameters.iter();
+    parameters
+        .map(|p| (key(&p.name), p.standard_error))
+        .collect()
+}
+
+/// Calls `use_input` with the report's input; the first `most` views come with their pictures.
+fn with_report_input<T>(
+    args: &Args,
+    eye: &CalibratedShots<'_>,
+    most: usize,
+    use_input: fn(&ReportInput<'_>) -> T,
+) -> anyhow::Result<T> {
+    let name = args
+        .output
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let files: Vec<String> = eye
+        .views()
+        .map(|(file, ..)| file.display().to_string())
+        .collect();
+    let loaded: Vec<GrayImage> = eye
+        .views()
+        .take(most)
+        .map(|(file, ..)| pictures::load_gray(file))
+        .collect::<Result<_, _>>()?;
+    let views: Vec<ReportView<'_>> = eye
+        .views()
+        .enumerate()
+        .map(|(index, (_, _, view, _))| ReportView {
+            file: &files[index],
+            picture: loaded.get(index),
+            view,
+        })
+        .collect();
+    let uncertainty = AngularUncertainty::new(&eye.calibration);
+    Ok(use_input(&ReportInput {
+        eye: &name,
+        calibration: &eye.calibration,
+        board: args.board(),
+        medium: args.medium.into(),
+        half_field_rad: args.field_deg.map(|deg| deg.to_radians() / 2.0),
+        views: &views,
+        angular_sigma_rad: &|pixel| uncertainty.as_ref()?.sigma_rad(pixel),
+        rotation_free_sigma_rad: Some(&|pixel| {
+            uncertainty.as_ref()?.rotation_free_sigma_rad(pixel)
+        }),
+    }))
+}

@@ -1,0 +1,194 @@
+//! What a calibration says to a person and to a script.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+use tectum_calibrate::report::verdict::Verdict;
+
+use super::{Args, CalibratedShots, outputs};
+use crate::detecting;
+use crate::report::Report;
+
+/// Models shown to a person; a script gets all.
+const MOST_MODELS: usize = 4;
+
+/// Figures, models, and what is missing.
+pub fn report(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<Report> {
+    let verdict = outputs::verdict(args, eye)?;
+    Ok(Report::new(
+        text(args, eye, &verdict),
+        json(args, eye, &verdict),
+    ))
+}
+
+fn text(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> String {
+    let (calibration, shots) = (&eye.calibration, eye.shots);
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{}: {} in {}\n",
+        args.output.display(),
+        calibration.model.name(),
+        tectum_optics::Medium::from(args.medium),
+    );
+    let seen: usize = shots.views().map(|(.., view)| view.corners.len()).sum();
+    let held_out = match calibration.held_out_rms_px {
+        Some(rms_px) => format!("{rms_px:.3} px on pictures held out"),
+        None => "too few pictures to hold some out".into(),
+    };
+    let _ = writeln!(
+        text,
+        "pictures   {} of {}\ncorners    {} of {seen}\nRMS        {:.3} px, {held_out}\n\
+         field      {:.1} degrees (full angle that the boards reach)",
+        calibration.views_used(),
+        shots.detections.pictures.len(),
+        calibration.corners_used(),
+        calibration.rms_px,
+        field_deg(eye),
+    );
+    let _ = writeln!(
+        text,
+        "\n{:<24} {:>13} {:>13}",
+        "parameter", "value", "std. error"
+    );
+    for p in &calibration.parameters {
+        let _ = writeln!(
+            text,
+            "{:<24} {:>13.6e} {:>13.1e}",
+            p.name, p.value, p.standard_error
+        );
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<24} {:>13} {:>13}",
+        "model", "held out, px", "RMS, px"
+    );
+    let mut scores: Vec<_> = calibration.scores.iter().collect();
+    let rank = |rms: Option<f64>| rms.unwrap_or(f64::INFINITY);
+    scores.sort_by(|a, b| rank(a.held_out_rms_px).total_cmp(&rank(b.held_out_rms_px)));
+    for score in scores
+        .iter()
+        .filter(|s| s.failure.is_none())
+        .take(MOST_MODELS)
+    {
+        let held_out = score
+            .held_out_rms_px
+            .map_or("-".into(), |rms| format!("{rms:.3}"));
+        let _ = writeln!(
+            text,
+            "{:<24} {held_out:>13} {:>13.3}",
+            score.name, score.rms_px
+        );
+    }
+    text.push('\n');
+    for (file, _, _, fit) in eye.views() {
+        if let Some(rejection) = &fit.rejection {
+            let _ = writeln!(text, "left out {}: {rejection}", file.display());
+        }
+    }
+    let no_board = without_board(eye);
+    if !no_board.is_empty() {
+        let _ = writeln!(text, "no board in {}", no_board.join(", "));
+    }
+    for [file, original] in &shots.duplicates {
+        let _ = writeln!(
+            text,
+            "left out {}: the same as {}",
+            file.display(),
+            original.display()
+        );
+    }
+    let _ = writeln!(
+        text,
+        "{}{}",
+        detecting::notes(&shots.detections),
+        verdict.sentence
+    );
+    for advice in &verdict.advice {
+        let _ = writeln!(text, "- {advice}");
+    }
+    text
+}
+
+fn field_deg(eye: &CalibratedShots<'_>) -> f64 {
+    2.0 * eye.calibration.field_rad.to_degrees()
+}
+
+fn without_board(eye: &CalibratedShots<'_>) -> Vec<String> {
+    let pictures = detecting::readable(&eye.shots.detections).into_iter();
+    let without = pictures.filter(|(_, detected)| detected.found.board.is_none());
+    without
+        .map(|(index, _)| {
+            eye.shots.detections.pictures[index]
+                .file
+                .display()
+                .to_string()
+        })
+        .collect()
+}
+
+fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
+    let (calibration, shots) = (&eye.calibration, eye.shots);
+    let views: Vec<Value> = eye
+        .views()
+        .map(|(file, sha256, view, fit)| {
+            json!({
+                "file": file,
+                "sha256": sha256,
+                "corners": view.corners.len(),
+                "corners_used": fit.corners.iter().filter(|corner| corner.used).count(),
+                "rms_px": fit.rms_px,
+                "accepted": fit.rejection.is_none(),
+            })
+        })
+        .collect();
+    let rejected: Vec<Value> = eye
+        .views()
+        .filter_map(|(file, _, _, fit)| {
+            let reason = fit.rejection.as_ref()?.to_string();
+            Some(json!({ "file": file, "reason": reason }))
+        })
+        .collect();
+    let parameters: Vec<Value> = calibration
+        .parameters
+        .iter()
+        .map(|p| json!({ "name": p.name, "value": p.value, "standard_error": p.standard_error }))
+        .collect();
+    let scores: Vec<Value> = calibration
+        .scores
+        .iter()
+        .map(|score| {
+            json!({
+                "model": score.name,
+                "parameters": score.parameters,
+                "rms_px": score.rms_px,
+                "held_out_rms_px": score.held_out_rms_px,
+                "failure": score.failure,
+            })
+        })
+        .collect();
+    let resumed = detecting::readable(&shots.detections);
+    json!({
+        "images": shots.detections.pictures.len(),
+        "accepted": calibration.views_used(),
+        "corners": calibration.corners_used(),
+        "rms_px": calibration.rms_px,
+        "held_out_rms_px": calibration.held_out_rms_px,
+        "field_deg": field_deg(eye),
+        "size_px": calibration.size_px,
+        "medium": tectum_optics::Medium::from(args.medium),
+        "model": calibration.model.name(),
+        "parameters": parameters,
+        "models": scores,
+        "views": views,
+        "rejected": rejected,
+        "without_board": without_board(eye),
+        "duplicates": shots.duplicates,
+        "skipped": detecting::skipped_json(&shots.detections),
+        "resumed": resumed.iter().filter(|(_, detected)| detected.resumed).count(),
+        "session": shots.folder,
+        "verdict": verdict.sentence,
+        "advice": verdict.advice,
+        "files": args.outputs().collect::<Vec<_>>(),
+    })
+}
