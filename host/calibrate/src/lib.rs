@@ -10,6 +10,7 @@ mod dictionary;
 pub mod report;
 pub mod session;
 pub mod solve;
+pub mod stereo;
 pub mod target;
 
 pub use board::{Board, BoardSize, BoardSizeError, Corner, View};

@@ -176,7 +176,14 @@ pub struct Bundle<'a> {
     pub sights: &'a [Sight],
     /// Loss.
     pub loss: Loss,
+    /// Share of the cost that a step must gain for another to follow.
+    pub end: f64,
 }
+
+/// 1e-10 of the cost moves no parameter by a thousandth of its standard error.
+pub const EXACT: f64 = 1e-10;
+/// Enough to judge by.
+pub const ROUGH: f64 = 1e-5;
 
 impl Bundle<'_> {
     /// Cost of a state, px^2.
@@ -215,8 +222,7 @@ impl Bundle<'_> {
             let Some(next) = better else { break };
             let gain = state.cost - next.cost;
             state = next;
-            // 1e-10 of the cost moves no parameter by a thousandth of its standard error.
-            if gain <= 1e-10 * state.cost {
+            if gain <= self.end * state.cost {
                 break;
             }
         }

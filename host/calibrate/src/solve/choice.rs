@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use tectum_optics::CameraModel;
 
-use super::bundle::{Bundle, refine_pose};
+use super::bundle::{self, Bundle, refine_pose};
 use super::fit::{Fit, square_sum};
 use super::lens::{Lens, OcamLens};
 use super::sight::{Pose, Sight};
@@ -102,18 +102,22 @@ impl Candidate<'_> {
     }
 }
 
-/// A polynomial whose RMS over the views it is fitted to exceeds the best one's by this factor
-/// stays out of the judgement on held-out views, which would take long and end the same.
-const HOPELESS: f64 = 1.5;
+/// A polynomial whose RMS over the views it is fitted to exceeds the best one's by this factor is
+/// too stiff: on the hundreds of corners of even a few views the excess is no chance, while the
+/// few held-out views may tell it badly.
+const STIFF: f64 = 1.03;
 
-/// Judges the candidates on held-out views, side by side.
+/// Judges the candidates on held-out views, side by side; polynomials that are too stiff are out.
 pub fn hold_out(candidates: &mut [Candidate<'_>]) {
-    let rms = |c: &Candidate<'_>| c.fit.as_ref().map_or(f64::INFINITY, |fit| fit.rms_px(c.lens));
+    let rms = |c: &Candidate<'_>| match (&c.fit, &c.camera) {
+        (Some(fit), Ok(CameraModel::Ocam(_))) => fit.rms_px(c.lens),
+        _ => f64::INFINITY,
+    };
     let best = candidates.iter().map(rms).fold(f64::INFINITY, f64::min);
     candidates.par_iter_mut().for_each(|candidate| {
-        let ocam = matches!(candidate.camera, Ok(CameraModel::Ocam(_)));
-        if ocam && rms(candidate) > HOPELESS * best {
-            return;
+        let rms = rms(candidate);
+        if rms.is_finite() && rms > STIFF * best {
+            candidate.camera = Err(format!("too stiff: {best:.3} px RMS can be had"));
         }
         let fit = candidate.fit.as_ref();
         candidate.held_out = fit.and_then(|fit| held_out(candidate.lens, fit));
@@ -140,6 +144,7 @@ pub fn held_out(lens: &dyn Lens, fit: &Fit) -> Option<Vec<f64>> {
             lens,
             sights: &sights_in,
             loss: fit.loss(),
+            end: bundle::ROUGH,
         };
         let state = bundle.refine(fit.p.clone(), poses_in, 30)?;
         let (sights_out, poses_out) = pick(true);

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::bundle::{Bundle, State, residuals};
+use super::bundle::{self, Bundle, State, residuals};
 use super::choice::Candidate;
 use super::fit::{Fit, MIN_CORNERS, Part, square_sum};
 use super::lens::Lens;
@@ -72,6 +72,7 @@ fn covariance(lens: &dyn Lens, fit: &Fit) -> Result<DMatrix<f64>, CalibrateError
         lens,
         sights: &sights,
         loss: fit.loss(),
+        end: bundle::EXACT,
     };
     let unknowns = lens.count() + 6 * poses.len();
     let state = State {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::bundle::{Bundle, Loss, State, refine_pose, residuals};
+use super::bundle::{self, Bundle, Loss, State, refine_pose, residuals};
 use super::lens::Lens;
 use super::pose;
 use super::sight::{Pose, Sight};
@@ -71,6 +71,7 @@ impl Fit {
             lens,
             sights: &sights,
             loss: self.loss(),
+            end: bundle::EXACT,
         };
         let state = bundle.refine(p, poses, steps)?;
         Some(self.with_state(state))

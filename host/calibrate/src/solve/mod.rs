@@ -29,6 +29,12 @@ use fit::{Fit, MIN_CORNERS, Part};
 use lens::{DoubleSphereLens, KannalaBrandtLens, Lens, OcamLens};
 use sight::Sight;
 
+/// What the joint refinement of two eyes shares with one eye's.
+pub(crate) mod internal {
+    pub use super::lens::{Lens, from_camera};
+    pub use super::sight::{Pose, rotation};
+}
+
 /// Corners to calibrate from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
@@ -160,13 +166,10 @@ fn families(lens: &OcamLens, options: &Options) -> Vec<Box<dyn Lens>> {
         None => DEGREES,
     };
     let plain = OcamLens::new(0, lens.scale_px());
-    let full = degrees.clone().map(|degree| plain.with_degree(degree));
-    let even = degrees.filter(|degree| degree % 2 == 0 && *degree > 2);
-    let even = even.map(|degree| plain.with_degree(degree).even());
     let mut families: Vec<Box<dyn Lens>> = Vec::new();
-    for lens in full.chain(even) {
-        families.push(Box::new(lens));
-        families.push(Box::new(lens.skewed()));
+    for degree in degrees {
+        families.push(Box::new(plain.with_degree(degree)));
+        families.push(Box::new(plain.with_degree(degree).skewed()));
     }
     families.sort_by_key(|lens| lens.count());
     families.push(Box::new(KannalaBrandtLens));

@@ -71,6 +71,11 @@ impl Pose {
         }
     }
 
+    /// A point of the board in the camera frame.
+    pub fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * point + self.position
+    }
+
     /// In the board's own labels and mm.
     pub fn to_board(self, sight: &Sight, square_mm: f64) -> BoardPose {
         BoardPose {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::bundle::{Bundle, Loss, State};
+use super::bundle::{self, Bundle, Loss, State};
 use super::lens::{Lens, OcamLens};
 use super::sight::{Pose, Sight};
 use super::{linear, pose};
@@ -29,7 +29,7 @@ pub struct Start {
 
 /// 2-D RMS over the corners in use, px; infinite where the lens sees none.
 fn rms(lens: &dyn Lens, p: &[f64], pose: &Pose, sight: &Sight) -> f64 {
-    let residuals = super::bundle::residuals(lens, p, pose, sight);
+    let residuals = bundle::residuals(lens, p, pose, sight);
     let used = residuals.iter().zip(&sight.targets);
     let squares = used.filter(|(_, target)| target.used);
     let sum: f64 = squares.map(|(residual, _)| residual.norm_squared()).sum();
@@ -117,6 +117,7 @@ fn joint(
         lens,
         sights: &sights,
         loss: LOSS,
+        end: bundle::ROUGH,
     };
     bundle.refine(p, views.iter().map(|view| view.1).collect(), 60)
 }

@@ -62,15 +62,12 @@ pub trait Lens: fmt::Debug + Sync + Send {
 }
 
 /// The family and parameters of a calibrated camera, whose parameters' names are given: they tell
-/// which of a polynomial's were free. `None` for a model that is not fitted here.
+/// whether skew was free. `None` for a model that is not fitted here.
 pub fn from_camera(camera: &CameraModel, names: &[&str]) -> Option<(Box<dyn Lens>, Vec<f64>)> {
     match camera {
         CameraModel::Ocam(ocam) => {
             let degree = ocam.polynomial.len().checked_sub(1)?;
             let mut lens = OcamLens::new(degree, ocam.max_rho_px());
-            if degree > 2 && !names.contains(&"polynomial[3]") {
-                lens = lens.even();
-            }
             if names.contains(&"affine[1]") {
                 lens = lens.skewed();
             }

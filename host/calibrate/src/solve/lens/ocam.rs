@@ -16,9 +16,6 @@ pub struct OcamLens {
     degree: usize,
     /// Radius `s` of the image that corners are seen in, px.
     scale_px: f64,
-    /// Even powers alone: a lens that is smooth at its centre has no others, and a fit of few
-    /// views needs no more.
-    even: bool,
     /// Whether image rows and columns may be other than perpendicular.
     skew: bool,
 }
@@ -33,7 +30,6 @@ impl OcamLens {
         Self {
             degree,
             scale_px,
-            even: false,
             skew: false,
         }
     }
@@ -48,24 +44,14 @@ impl OcamLens {
         Self { degree, ..self }
     }
 
-    /// The same with the even powers alone.
-    pub fn even(self) -> Self {
-        Self { even: true, ..self }
-    }
-
     /// The same with skew.
     pub fn skewed(self) -> Self {
         Self { skew: true, ..self }
     }
 
-    /// From one power to the next.
-    fn stride(&self) -> usize {
-        1 + usize::from(self.even)
-    }
-
-    /// Powers of rho, with gaps left out.
+    /// Powers of rho.
     fn powers(&self) -> impl Iterator<Item = usize> {
-        std::iter::once(0).chain((2..=self.degree).step_by(self.stride()))
+        std::iter::once(0).chain(2..=self.degree)
     }
 
     /// Number of parameters before the polynomial's.
@@ -91,28 +77,23 @@ impl OcamLens {
 
     /// `f(rho) / s` and its slope at `x = rho / s`; beyond `x = 1` the tangent there, so that a
     /// trial step of the fit cannot fold.
-    fn evaluate(&self, b: &[f64], x: f64) -> (f64, f64) {
+    fn evaluate(b: &[f64], x: f64) -> (f64, f64) {
         let inside = x.min(1.0);
-        let (step, step_slope) = if self.even {
-            (inside * inside, 2.0 * inside)
-        } else {
-            (inside, 1.0)
-        };
         let (mut value, mut slope) = (0.0, 0.0);
         for b in b[1..].iter().rev() {
-            slope = slope * step + value;
-            value = value * step + b;
+            slope = slope * inside + value;
+            value = value * inside + b;
         }
-        // value = b2 + b3 x + ... or b2 + b4 x^2 + ...
-        let slope = inside * (2.0 * value + inside * slope * step_slope);
+        // value = b2 + b3 x + ...
+        let slope = inside * (2.0 * value + inside * slope);
         let value = b[0] + inside * inside * value;
         (value + slope * (x - inside), slope)
     }
 
     /// Root of `f(x) r = x z`.
-    fn root(&self, b: &[f64], r: f64, z: f64) -> Option<f64> {
+    fn root(b: &[f64], r: f64, z: f64) -> Option<f64> {
         let residual = |x: f64| {
-            let (value, slope) = self.evaluate(b, x);
+            let (value, slope) = Self::evaluate(b, x);
             (value * r - z * x, slope * r - z)
         };
         if b[0] <= 0.0 {
@@ -152,8 +133,7 @@ impl OcamLens {
 impl Lens for OcamLens {
     fn name(&self) -> String {
         let skew = if self.skew { ", skew" } else { "" };
-        let even = if self.even { ", even" } else { "" };
-        format!("ocam, degree {}{even}{skew}", self.degree)
+        format!("ocam, degree {}{skew}", self.degree)
     }
 
     fn describe(&self) -> Vec<(String, f64)> {
@@ -174,11 +154,11 @@ impl Lens for OcamLens {
     fn project(&self, p: &[f64], ray: &Vector3<f64>) -> Option<Projection> {
         let b = &p[self.offset()..];
         let (r, z) = (libm::hypot(ray.x, ray.y), ray.z);
-        let x = self.root(b, r, z)?;
-        let (_, slope) = self.evaluate(b, x);
+        let x = Self::root(b, r, z)?;
+        let (_, slope) = Self::evaluate(b, x);
         // F(x, b, r, z) = f(x) r - x z = 0: dx = -(F_b db + F_r dr + F_z dz) / F_x.
         let by_x = slope * r - z;
-        let (value, _) = self.evaluate(b, x);
+        let (value, _) = Self::evaluate(b, x);
         let s = self.scale_px;
         let slopes = [-s * value / by_x, s * x / by_x];
         let (ideal, ideal_by_ray) = radial(ray, s * x, slopes, s * b[0] / z);
@@ -213,7 +193,7 @@ impl Lens for OcamLens {
         let [c, d] = self.affine(p);
         let ideal = Vector2::new(offset.x, (offset.y - d * offset.x) / c);
         let x = ideal.norm() / self.scale_px;
-        let z = self.scale_px * self.evaluate(&p[self.offset()..], x).0;
+        let z = self.scale_px * Self::evaluate(&p[self.offset()..], x).0;
         Some(Vector3::new(ideal.x, ideal.y, z))
     }
 
