@@ -4,6 +4,8 @@ use image::GrayImage;
 use imageproc::contours::{BorderType, find_contours};
 use imageproc::contrast::adaptive_threshold;
 
+use super::split;
+
 /// Half sides of the windows whose mean is the threshold, px: the smallest keeps the marker apart
 /// from dark things close to it, the largest sees a marker as a whole under noise.
 const RADII_PX: [u32; 3] = [3, 9, 24];
@@ -11,7 +13,7 @@ const RADII_PX: [u32; 3] = [3, 9, 24];
 /// How much darker than the mean a pixel is, grey levels. Noise of an ordinary picture stays below.
 const OFFSET: i32 = 7;
 
-/// Pixels along the border of a dark region, in order.
+/// Pixels along the border of a dark region, clockwise as seen.
 pub(super) type Outline = Vec<[f64; 2]>;
 
 /// Outlines long enough for a marker of the side given.
@@ -39,7 +41,11 @@ fn dark_outlines(picture: &GrayImage, radius: u32, min_side_px: f64) -> Vec<Outl
         })
         .map(|contour| {
             let points = contour.points.iter();
-            points.map(|p| [f64::from(p.x), f64::from(p.y)]).collect()
+            let mut outline: Outline = points.map(|p| [f64::from(p.x), f64::from(p.y)]).collect();
+            if split::area(&outline) < 0.0 {
+                outline.reverse();
+            }
+            outline
         })
         .collect()
 }

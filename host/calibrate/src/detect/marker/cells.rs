@@ -23,6 +23,10 @@ const MIN_SEPARATION: f64 = 0.75;
 /// Least part of the surround that is white: a finger or a shadow may lie on the rest.
 const MIN_WHITE_SURROUND: f64 = 0.7;
 
+/// Greatest chance of a random pattern inside a black border to read as a marker with wrong cells.
+/// Pictures of rooms hold some tens of such quadrilaterals.
+const MAX_CHANCE: f64 = 1e-3;
+
 impl Cells {
     /// Identity, quarter turns and wrong cells of the marker that a quadrilateral shows.
     pub fn read(
@@ -106,18 +110,33 @@ impl Cells {
             (0..black.len()).partition(|&k| is_border(k));
         let broken = border.iter().filter(|&&k| !black[k]).count();
         let inner: Vec<bool> = inner.into_iter().map(|k| black[k]).collect();
-        if broken > border.len() / 20 {
+        if broken > border.len() / 24 {
             return None;
         }
-        let correctable = dictionary.min_distance().saturating_sub(1) / 2;
-        let budget = if broken == 0 {
-            correctable.min(inner.len() as u32 / 12)
-        } else {
-            0
-        };
+        let budget = if broken == 0 { budget(dictionary) } else { 0 };
         let reading = dictionary.read(&inner, budget)?;
         Some((reading.id, reading.turns, reading.hamming))
     }
+}
+
+/// Wrong cells allowed: as many as the dictionary's distance corrects, a twelfth of the cells at
+/// most, and only while cells at random would hit a marker less often than [`MAX_CHANCE`].
+fn budget(dictionary: &Dictionary) -> u32 {
+    let cells = (dictionary.side() * dictionary.side()) as u32;
+    let correctable = dictionary.min_distance().saturating_sub(1) / 2;
+    let patterns = 4.0 * dictionary.markers() as f64 / libm::exp2(f64::from(cells));
+    // Patterns that differ from one in exactly and in at most so many cells.
+    let (mut exactly, mut within) = (1.0, 1.0);
+    let mut allowed = 0;
+    for wrong in 1..=correctable.min(cells / 12) {
+        exactly *= f64::from(cells + 1 - wrong) / f64::from(wrong);
+        within += exactly;
+        if patterns * within > MAX_CHANCE {
+            break;
+        }
+        allowed = wrong;
+    }
+    allowed
 }
 
 /// Two classes of grey levels (Otsu 1979).

@@ -24,6 +24,9 @@ pub(super) enum Spread {
     Even,
 }
 
+/// Greatest bow of a side beside its length: that of an arc of 100 degrees.
+const MOST_BOW: f64 = 0.24;
+
 impl Quad {
     /// Fits the sides of an outline that was split at `corners` to the picture's edges. `None`
     /// where the sides are no edges from dark to light or do not meet near the corners.
@@ -34,8 +37,8 @@ impl Quad {
         cells: usize,
     ) -> Option<Self> {
         let mut sides = [0, 1, 2, 3].map(|k| Side::chord(corners[k], corners[(k + 1) % 4]));
-        for side in &mut sides {
-            bow_to_outline(side, outline)?;
+        for (k, side) in sides.iter_mut().enumerate() {
+            bow_to_arc(side, &arc(outline, corners[k], corners[(k + 1) % 4]))?;
         }
         let mut corners_px = corners;
         let mut square = 0.0;
@@ -111,18 +114,27 @@ fn degree(length_px: f64) -> usize {
     }
 }
 
-/// Bows a chord to the part of the outline that lies over it.
-fn bow_to_outline(side: &mut Side, outline: &[[f64; 2]]) -> Option<()> {
-    let length_px = side.length_px();
-    let close = |p: &Vector2<f64>| {
-        let t = side.part(p);
-        (0.1..0.9).contains(&t) && side.gap(p).norm() < 0.3 * length_px
-    };
-    let points: Vec<_> = outline
-        .iter()
+/// The points of an outline from one of them to another.
+fn arc(outline: &[[f64; 2]], from: [f64; 2], to: [f64; 2]) -> Vec<Vector2<f64>> {
+    let points = outline.iter().cycle().skip_while(|p| **p != from);
+    points
+        .take(outline.len())
+        .take_while(|p| **p != to)
         .map(|p| Vector2::from(*p))
-        .filter(close)
-        .collect();
+        .collect()
+}
+
+/// Bows a chord to the part of an outline between its ends.
+fn bow_to_arc(side: &mut Side, arc: &[Vector2<f64>]) -> Option<()> {
+    let length_px = side.length_px();
+    let middle = |p: &&Vector2<f64>| (0.1..0.9).contains(&side.part(p));
+    let points: Vec<_> = arc.iter().filter(middle).copied().collect();
+    if points
+        .iter()
+        .any(|p| side.gap(p).norm() > MOST_BOW * length_px)
+    {
+        return None;
+    }
     let rms_px = side.fit(&points, 2)?;
     // Steps of the pixel grid leave 0.3 px.
     (rms_px < (0.03 * length_px).max(1.0)).then_some(())

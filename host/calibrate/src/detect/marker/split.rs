@@ -13,7 +13,7 @@ const MIN_TURN_RAD: f64 = 0.35;
 /// Least part of the bounding square of the diagonals that a quadrilateral covers.
 const MIN_FILL: f64 = 0.08;
 
-/// Ways of splitting an outline at its sharpest turns, clockwise as seen.
+/// Ways of splitting an outline, clockwise as seen, at four of its points, in order.
 pub(super) fn corners(outline: &[[f64; 2]], min_side_px: f64) -> Vec<[[f64; 2]; 4]> {
     let count = outline.len().min(MOST_POINTS);
     let points: Vec<_> = (0..count)
@@ -21,33 +21,30 @@ pub(super) fn corners(outline: &[[f64; 2]], min_side_px: f64) -> Vec<[[f64; 2]; 
         .collect();
     let area = area(&points);
     // Half a marker's area is lost at most where it is seen at a slant of 60 degrees.
-    if area.abs() < min_side_px * min_side_px / 4.0 {
+    if area < min_side_px * min_side_px / 4.0 {
         return Vec::new();
     }
     let mut found: Vec<[[f64; 2]; 4]> = Vec::new();
     for reach in REACH {
         let reach = (count / reach).max(2);
-        let Some(mut quad) = sharpest(&points, reach, area.signum()) else {
+        let Some(quad) = sharpest(&points, reach) else {
             continue;
         };
-        if area < 0.0 {
-            quad.reverse();
-        }
-        if is_plausible(&quad, area.abs(), min_side_px) && !found.contains(&quad) {
+        if is_plausible(&quad, area, min_side_px) && !found.contains(&quad) {
             found.push(quad);
         }
     }
     found
 }
 
-/// The four sharpest turns in the sense of the outline, each the sharpest within its reach.
-fn sharpest(points: &[[f64; 2]], reach: usize, sense: f64) -> Option<[[f64; 2]; 4]> {
+/// The four sharpest turns inwards, each the sharpest within its reach.
+fn sharpest(points: &[[f64; 2]], reach: usize) -> Option<[[f64; 2]; 4]> {
     let count = points.len();
     let turn = |k: usize| {
         let (before, at) = (points[(k + count - reach) % count], points[k]);
         let after = points[(k + reach) % count];
         let (a, b) = (sub(at, before), sub(after, at));
-        sense * libm::atan2(cross(a, b), a[0] * b[0] + a[1] * b[1])
+        libm::atan2(cross(a, b), a[0] * b[0] + a[1] * b[1])
     };
     let turns: Vec<f64> = (0..count).map(turn).collect();
     let mut order: Vec<usize> = (0..count).filter(|&k| turns[k] > MIN_TURN_RAD).collect();
@@ -83,7 +80,8 @@ fn is_plausible(quad: &[[f64; 2]; 4], outline_area: f64, min_side_px: f64) -> bo
         && (0.5..2.0).contains(&alike)
 }
 
-fn area(points: &[[f64; 2]]) -> f64 {
+/// Area inside an outline, px²; negative for one that goes anticlockwise as seen.
+pub(super) fn area(points: &[[f64; 2]]) -> f64 {
     let next = points.iter().cycle().skip(1);
     points
         .iter()
