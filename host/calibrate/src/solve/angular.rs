@@ -83,7 +83,9 @@ impl AngularUncertainty {
         let plane = Matrix3x2::from_columns(&[first, ray.cross(&first)]);
         // Pixel fixed: by_ray dray + by_lens dp = 0.
         let inverse: Matrix2<f64> = (seen.by_ray * plane).try_inverse()?;
-        let columns: Vec<_> = (0..self.p.len()).map(|k| -(inverse * seen.by_lens[k])).collect();
+        let columns: Vec<_> = (0..self.p.len())
+            .map(|k| -(inverse * seen.by_lens[k]))
+            .collect();
         Some((plane, Matrix2xX::from_columns(&columns)))
     }
 

@@ -103,7 +103,9 @@ pub fn refine_pose(
             for k in 0..6 {
                 damped[(k, k)] *= 1.0 + damping;
             }
-            let next = damped.cholesky().map(|solver| pose.moved(&solver.solve(&-gradient)));
+            let next = damped
+                .cholesky()
+                .map(|solver| pose.moved(&solver.solve(&-gradient)));
             let next = next.map(|next| (next, sight_cost(lens, p, &next, sight, loss)));
             if let Some((next, next_cost)) = next.filter(|(_, next_cost)| *next_cost < cost) {
                 better = Some((next, next_cost));
@@ -112,7 +114,9 @@ pub fn refine_pose(
             }
             damping *= 10.0;
         }
-        let Some((next, next_cost)) = better else { break };
+        let Some((next, next_cost)) = better else {
+            break;
+        };
         let gain = cost - next_cost;
         (pose, cost) = (next, next_cost);
         if gain <= 1e-12 * cost {
@@ -259,7 +263,12 @@ impl Bundle<'_> {
             inverses.push(inverse);
         }
         let step = solve_scaled(&normal, &gradient)?;
-        let lens: Vec<f64> = state.lens.iter().zip(step.iter()).map(|(x, s)| x - s).collect();
+        let lens: Vec<f64> = state
+            .lens
+            .iter()
+            .zip(step.iter())
+            .map(|(x, s)| x - s)
+            .collect();
         let moves = blocks.iter().zip(&inverses).zip(&state.poses);
         let poses: Vec<Pose> = moves
             .map(|((block, inverse), pose)| {

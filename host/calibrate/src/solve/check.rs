@@ -13,7 +13,10 @@ const MARGIN_PX: f64 = 2.0;
 
 /// Refuses sizes, corners and labels that cannot be.
 pub fn input(problem: &Problem, options: &Options) -> Result<(), CalibrateError> {
-    for (what, side) in ["picture width", "picture height"].into_iter().zip(problem.size_px) {
+    for (what, side) in ["picture width", "picture height"]
+        .into_iter()
+        .zip(problem.size_px)
+    {
         // Longer sides are no camera's.
         if !(16..=1 << 16).contains(&side) {
             return Err(CalibrateError::BadSize {
@@ -58,7 +61,10 @@ fn view(problem: &Problem, view: usize) -> Result<(), CalibrateError> {
         }
     }
     let span = |label: fn(&crate::Corner) -> u16| {
-        let (least, most) = corners.iter().map(label).fold((u16::MAX, 0), |(a, b), i| (a.min(i), b.max(i)));
+        let (least, most) = corners
+            .iter()
+            .map(label)
+            .fold((u16::MAX, 0), |(a, b), i| (a.min(i), b.max(i)));
         most.saturating_sub(least).saturating_add(1)
     };
     let (columns, rows) = (span(|c| c.i), span(|c| c.j));
@@ -142,7 +148,10 @@ pub fn normal_spread_rad(fit: &Fit) -> f64 {
     let normals: Vec<Vector3<f64>> = active
         .filter_map(|part| Some(part.pose?.rotation.column(2).into_owned()))
         .collect();
-    let scatter = normals.iter().map(|n| n * n.transpose()).sum::<nalgebra::Matrix3<f64>>();
+    let scatter = normals
+        .iter()
+        .map(|n| n * n.transpose())
+        .sum::<nalgebra::Matrix3<f64>>();
     // Most of it lies along the axis; the rest is the mean of sin^2.
     let rest = 1.0 - scatter.symmetric_eigenvalues().max() / normals.len().max(1) as f64;
     libm::asin(rest.clamp(0.0, 1.0).sqrt())

@@ -64,7 +64,9 @@ pub fn camera(
 ) -> Result<CameraModel, String> {
     let [x, y] = [0, 1].map(|k| f64::max(fit.p[k], f64::from(size_px[k]) - 1.0 - fit.p[k]));
     let picture = libm::hypot(x, y);
-    let camera = lens.camera(&fit.p, picture).map_err(|error| error.to_string())?;
+    let camera = lens
+        .camera(&fit.p, picture)
+        .map_err(|error| error.to_string())?;
     let needed = options.image_circle_px.unwrap_or(BEYOND * reach_px(fit));
     match &camera {
         CameraModel::Ocam(ocam) if ocam.max_rho_px() < needed.min(picture) => Err(format!(
@@ -102,9 +104,9 @@ impl Candidate<'_> {
     }
 }
 
-/// A polynomial whose RMS over the views it is fitted to exceeds the best one's by this factor is
-/// too stiff: on the hundreds of corners of even a few views the excess is no chance, while the
-/// few held-out views may tell it badly.
+/// A polynomial whose RMS over the views it is fitted to exceeds that of the best one, with skew or
+/// without as itself, by this factor is too stiff: on the hundreds of corners of even a few views
+/// the excess is no chance, while the few held-out views may tell it badly.
 const STIFF: f64 = 1.03;
 
 /// Judges the candidates on held-out views, side by side; polynomials that are too stiff are out.
@@ -113,9 +115,15 @@ pub fn hold_out(candidates: &mut [Candidate<'_>]) {
         (Some(fit), Ok(CameraModel::Ocam(_))) => fit.rms_px(c.lens),
         _ => f64::INFINITY,
     };
-    let best = candidates.iter().map(rms).fold(f64::INFINITY, f64::min);
+    let best = [false, true].map(|skewed| {
+        let alike = candidates.iter().filter(|c| c.lens.is_skewed() == skewed);
+        alike.map(rms).fold(f64::INFINITY, f64::min)
+    });
     candidates.par_iter_mut().for_each(|candidate| {
-        let rms = rms(candidate);
+        let (rms, best) = (
+            rms(candidate),
+            best[usize::from(candidate.lens.is_skewed())],
+        );
         if rms.is_finite() && rms > STIFF * best {
             candidate.camera = Err(format!("too stiff: {best:.3} px RMS can be had"));
         }
@@ -164,16 +172,23 @@ pub fn held_out(lens: &dyn Lens, fit: &Fit) -> Option<Vec<f64>> {
 }
 
 /// Index of the candidate that the result is made of: for the polynomial the simplest one that is
-/// not significantly worse than the best, after the one-standard-error rule (Breiman et al. 1984). Candidates come simplest first.
+/// not significantly worse than the best, or not by a margin that matters, after the one-standard-error rule (Breiman et al. 1984). Candidates come simplest first.
 pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
     let wanted: Vec<usize> = (0..candidates.len())
-        .filter(|i| candidates[*i].camera.as_ref().is_ok_and(|camera| is(camera, model)))
+        .filter(|i| {
+            candidates[*i]
+                .camera
+                .as_ref()
+                .is_ok_and(|camera| is(camera, model))
+        })
         .collect();
     let score = |i: &usize| candidates[*i].held_out_rms_px().unwrap_or(f64::INFINITY);
     let best = *wanted.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
     let Some(least) = &candidates[best].held_out else {
         // Too few views to hold any out: what OCamCalib takes, or the simplest.
-        let default = wanted.iter().find(|i| candidates[**i].lens.count() >= FEW_VIEWS_PARAMETERS);
+        let default = wanted
+            .iter()
+            .find(|i| candidates[**i].lens.count() >= FEW_VIEWS_PARAMETERS);
         return default.or(wanted.last()).copied();
     };
     let good = wanted.iter().find(|i| {
@@ -184,7 +199,8 @@ pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
         let n = excess.len() as f64;
         let mean = excess.iter().sum::<f64>() / n;
         let spread: f64 = excess.iter().map(|e| (e - mean) * (e - mean)).sum();
-        mean <= TOLERANCE * (spread / (n * (n - 1.0))).sqrt()
+        let no_gain = score(i) <= NO_GAIN * score(&best);
+        no_gain || mean <= TOLERANCE * (spread / (n * (n - 1.0))).sqrt()
     });
     good.copied()
 }
@@ -192,6 +208,8 @@ pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
 /// Standard errors of the mean excess that a simpler lens may have: on real sets of 4 to 40
 /// views, half of one predicts other views best; one makes lenses of few views too stiff.
 const TOLERANCE: f64 = 0.5;
+/// Held-out RMS over the best one's that is as good, however sure the difference is.
+const NO_GAIN: f64 = 1.005;
 /// Parameters of a polynomial of degree 4 without skew.
 const FEW_VIEWS_PARAMETERS: usize = 7;
 

@@ -8,8 +8,8 @@ use super::fit::{Fit, MIN_CORNERS, Part, square_sum};
 use super::lens::Lens;
 use super::sight::Sight;
 use super::{CalibrateError, Problem, check, pose};
-use crate::calibration::{CornerFit, ModelScore, Parameter, Rejection, ViewFit};
 use crate::Calibration;
+use crate::calibration::{CornerFit, ModelScore, Parameter, Rejection, ViewFit};
 
 /// Relative standard error of a scale in the picture (focal length, a0) beyond which the corners
 /// are said not to fix the lens.
@@ -90,7 +90,9 @@ fn covariance(lens: &dyn Lens, fit: &Fit) -> Result<DMatrix<f64>, CalibrateError
             CalibrateError::Singular
         }
     };
-    let freedom = (2 * count).checked_sub(unknowns).filter(|freedom| *freedom > 0);
+    let freedom = (2 * count)
+        .checked_sub(unknowns)
+        .filter(|freedom| *freedom > 0);
     let freedom = freedom.ok_or_else(degenerate)?;
     let cofactors = bundle.cofactors(&state).ok_or_else(degenerate)?;
     let variance = sum / freedom as f64;
@@ -122,7 +124,12 @@ fn field_rad(lens: &dyn Lens, fit: &Fit) -> f64 {
 
 fn views(problem: &Problem, sights: Vec<Sight>, lens: &dyn Lens, fit: &Fit) -> Vec<ViewFit> {
     let mut parts = fit.parts.iter();
-    let rms: Vec<f64> = fit.parts.iter().filter(|part| part.active).map(|part| part_rms(lens, fit, part)).collect();
+    let rms: Vec<f64> = fit
+        .parts
+        .iter()
+        .filter(|part| part.active)
+        .map(|part| part_rms(lens, fit, part))
+        .collect();
     let usual_px = super::start::median(rms);
     let all = sights.into_iter().map(|sight| {
         let corners = sight.targets.len();
@@ -143,7 +150,14 @@ fn views(problem: &Problem, sights: Vec<Sight>, lens: &dyn Lens, fit: &Fit) -> V
                 let found = pose::find(lens, &fit.p, &sight, fit.loss(), 30);
                 let pose = found.map(|found| found.0);
                 let active = false;
-                (Part { sight, pose, active }, Some(too_few))
+                (
+                    Part {
+                        sight,
+                        pose,
+                        active,
+                    },
+                    Some(too_few),
+                )
             }
         };
         view(problem, lens, fit, part, rejection)

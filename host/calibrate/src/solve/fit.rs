@@ -152,7 +152,9 @@ impl Part {
 
     /// Best pose from where it was and from scratch.
     fn search(&self, lens: &dyn Lens, p: &[f64], loss: Loss) -> Option<Pose> {
-        let held = self.pose.map(|pose| refine_pose(lens, p, pose, &self.sight, loss, 30));
+        let held = self
+            .pose
+            .map(|pose| refine_pose(lens, p, pose, &self.sight, loss, 30));
         let found = pose::find(lens, p, &self.sight, loss, 30);
         let both = held.into_iter().chain(found);
         both.min_by(|a, b| a.1.total_cmp(&b.1)).map(|best| best.0)

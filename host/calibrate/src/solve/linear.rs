@@ -128,16 +128,18 @@ fn partial(sight: &Sight, centre: Vector2<f64>, scale_px: f64) -> Option<Partial
     for target in sight.used() {
         let (m, x) = (ideal(target.pixel), target.point);
         // m x (R point + t) = 0, third coordinate.
-        let row = SMatrix::<f64, 1, 6>::new(
-            x.x * m.y, x.y * m.y, -x.x * m.x, -x.y * m.x, m.y, -m.x,
-        );
+        let row =
+            SMatrix::<f64, 1, 6>::new(x.x * m.y, x.y * m.y, -x.x * m.x, -x.y * m.x, m.y, -m.x);
         normal += row.transpose() * row;
     }
     if sight.count() < 6 || !normal.iter().all(|x| x.is_finite()) {
         return None;
     }
     let eigen = normal.symmetric_eigen();
-    let mut h = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    let mut h = eigen
+        .eigenvectors
+        .column(eigen.eigenvalues.imin())
+        .into_owned();
     let planar = |h: &SMatrix<f64, 6, 1>, x: &Vector3<f64>| {
         Vector2::new(
             h[0] * x.x + h[1] * x.y + h[4],
@@ -167,7 +169,13 @@ fn partial(sight: &Sight, centre: Vector2<f64>, scale_px: f64) -> Option<Partial
         Vector3::new(h[0], h[2], r31 / length),
         Vector3::new(h[1], h[3], r32 / length),
     ];
-    distances(sight, &ideal, &|x| planar(&h, x), columns, Vector2::new(h[4], h[5]))
+    distances(
+        sight,
+        &ideal,
+        &|x| planar(&h, x),
+        columns,
+        Vector2::new(h[4], h[5]),
+    )
 }
 
 /// Rows `(m . M / rho) f(rho) - rho t3 = rho (r31 X + r32 Y)` with t3 eliminated.

@@ -140,11 +140,14 @@ fn base(sights: Vec<Sight>, size_px: [u32; 2]) -> Option<(OcamLens, Fit)> {
     } else {
         CLEANING.0
     };
-    let parts = sights.into_iter().zip(&start.poses).map(|(sight, pose)| Part {
-        sight,
-        pose: *pose,
-        active: pose.is_some(),
-    });
+    let parts = sights
+        .into_iter()
+        .zip(&start.poses)
+        .map(|(sight, pose)| Part {
+            sight,
+            pose: *pose,
+            active: pose.is_some(),
+        });
     let fit = Fit {
         p: start.p,
         parts: parts.collect(),

@@ -33,7 +33,10 @@ pub fn linear(lens: &dyn Lens, p: &[f64], sight: &Sight) -> Option<Pose> {
     let least = eigen.eigenvalues.imin();
     let h: SVector<f64, 9> = eigen.eigenvectors.column(least).into_owned();
     let mut h = Matrix3::from_fn(|i, k| h[3 * i + k]);
-    let ahead: f64 = sighted.iter().map(|(ray, point)| ray.dot(&(h * point)).signum()).sum();
+    let ahead: f64 = sighted
+        .iter()
+        .map(|(ray, point)| ray.dot(&(h * point)).signum())
+        .sum();
     if ahead < 0.0 {
         h = -h;
     }
@@ -42,11 +45,7 @@ pub fn linear(lens: &dyn Lens, p: &[f64], sight: &Sight) -> Option<Pose> {
     if !(scale.is_finite() && scale > 1e-12) {
         return None;
     }
-    let matrix = Matrix3::from_columns(&[
-        r1 / scale,
-        r2 / scale,
-        r1.cross(&r2) / (scale * scale),
-    ]);
+    let matrix = Matrix3::from_columns(&[r1 / scale, r2 / scale, r1.cross(&r2) / (scale * scale)]);
     Some(Pose {
         rotation: nearest_rotation(&matrix)?,
         position: t / scale,

@@ -12,9 +12,7 @@ pub const DEGREE: usize = 4;
 /// The polynomial holds this much beyond the farthest corner: its centre will move.
 const REACH_FACTOR: f64 = 1.1;
 /// Loss of starts, px: lenient, because a first lens is off by some px everywhere.
-const LOSS: Loss = Loss {
-    huber_px: 3.0,
-};
+const LOSS: Loss = Loss { huber_px: 3.0 };
 
 /// A lens that explains most views.
 #[derive(Debug, Clone)]
@@ -39,7 +37,10 @@ fn rms(lens: &dyn Lens, p: &[f64], pose: &Pose, sight: &Sight) -> f64 {
 /// Median; infinite of nothing.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
+    values
+        .get(values.len() / 2)
+        .copied()
+        .unwrap_or(f64::INFINITY)
 }
 
 /// Finds the start: the linear one about the best centre, and equidistant lenses of many focal
@@ -100,12 +101,7 @@ fn score(lens: &dyn Lens, p: &[f64], poses: &[Option<Pose>], sights: &[Sight]) -
 }
 
 /// Joint refinement over the better views.
-fn joint(
-    lens: &OcamLens,
-    p: Vec<f64>,
-    poses: &[Option<Pose>],
-    sights: &[Sight],
-) -> Option<State> {
+fn joint(lens: &OcamLens, p: Vec<f64>, poses: &[Option<Pose>], sights: &[Sight]) -> Option<State> {
     let with_pose = sights.iter().zip(poses);
     let mut views: Vec<(&Sight, Pose, f64)> = with_pose
         .filter_map(|(sight, pose)| pose.map(|pose| (sight, pose, rms(lens, &p, &pose, sight))))
@@ -179,7 +175,11 @@ fn simplex(
         let reflected = along(1.0);
         corners[2] = if reflected.1 < best.1 {
             let expanded = along(2.0);
-            if expanded.1 < reflected.1 { expanded } else { reflected }
+            if expanded.1 < reflected.1 {
+                expanded
+            } else {
+                reflected
+            }
         } else if reflected.1 < second.1 {
             reflected
         } else {

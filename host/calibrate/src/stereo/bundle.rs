@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector3
 use tectum_optics::CameraModel;
 
 use super::StereoCalibration;
-use crate::solve::internal::{Lens, Pose, from_camera};
 use crate::solve::Problem;
+use crate::solve::internal::{Lens, Pose, from_camera};
 use crate::{Calibration, Parameter};
 
 /// Residual beyond which a corner counts linearly, in units of its eye's RMS.
@@ -44,7 +44,11 @@ impl Eye {
                 rotation: pose.rotation.into_inner(),
                 position: pose.position_mm / square_mm,
             }));
-            let used = view.corners.iter().zip(&fit.corners).filter(|(_, fit)| fit.used);
+            let used = view
+                .corners
+                .iter()
+                .zip(&fit.corners)
+                .filter(|(_, fit)| fit.used);
             let used = used.map(|(c, _)| {
                 let label = Vector3::new(f64::from(c.i), f64::from(c.j), 0.0);
                 (label, c.position_px)
@@ -99,7 +103,8 @@ struct Row {
 /// Derivatives of a moved point by a pose: a rotation in the outer frame, then a shift.
 fn by_pose(by_point: &nalgebra::Matrix2x3<f64>, arm: &Vector3<f64>) -> Matrix2x6<f64> {
     let mut by = Matrix2x6::zeros();
-    by.fixed_columns_mut::<3>(0).copy_from(&(by_point * -arm.cross_matrix()));
+    by.fixed_columns_mut::<3>(0)
+        .copy_from(&(by_point * -arm.cross_matrix()));
     by.fixed_columns_mut::<3>(3).copy_from(by_point);
     by
 }
@@ -139,7 +144,10 @@ fn rows(eyes: &[Eye; 2], state: &State, board: &BoardState) -> Vec<Option<Row>> 
                 Row {
                     eye: index,
                     residual: (seen.pixel - pixel) * scale,
-                    by_lens: seen.by_lens[..state.p[index].len()].iter().map(|v| v * scale).collect(),
+                    by_lens: seen.by_lens[..state.p[index].len()]
+                        .iter()
+                        .map(|v| v * scale)
+                        .collect(),
                     by_relative,
                     by_board: by_pose(&(seen.by_ray * turn), &arm) * scale,
                 }
@@ -159,7 +167,10 @@ fn weigh(square: f64) -> (f64, f64) {
 
 fn cost(eyes: &[Eye; 2], state: &State) -> f64 {
     let worst = UNSEEN_PX / eyes[0].rms_px.min(eyes[1].rms_px);
-    let boards = state.boards.iter().flat_map(|board| rows(eyes, state, board));
+    let boards = state
+        .boards
+        .iter()
+        .flat_map(|board| rows(eyes, state, board));
     let each = boards.map(|row| match row {
         Some(row) => weigh(row.residual.norm_squared().min(worst * worst)).0,
         None => weigh(worst * worst).0,
@@ -228,7 +239,9 @@ fn scaled_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = scale.len();
     let unit = DMatrix::from_fn(n, n, |a, b| matrix[(a, b)] * scale[a] * scale[b]);
     let inverse = unit.cholesky()?.inverse();
-    Some(DMatrix::from_fn(n, n, |a, b| inverse[(a, b)] * scale[a] * scale[b]))
+    Some(DMatrix::from_fn(n, n, |a, b| {
+        inverse[(a, b)] * scale[a] * scale[b]
+    }))
 }
 
 fn stepped(eyes: &[Eye; 2], state: &State, damping: f64) -> Option<State> {
@@ -330,9 +343,13 @@ fn finish(eyes: &[Eye; 2], state: &State) -> Option<StereoCalibration> {
     // move its position by -R^T (t x w) - R^T s.
     let Pose { rotation, position } = state.relative;
     let back = rotation.transpose();
-    let relative = covariance.view((left + right, left + right), (6, 6)).into_owned();
+    let relative = covariance
+        .view((left + right, left + right), (6, 6))
+        .into_owned();
     let mut by_move = nalgebra::Matrix3x6::zeros();
-    by_move.fixed_columns_mut::<3>(0).copy_from(&-(back * position.cross_matrix()));
+    by_move
+        .fixed_columns_mut::<3>(0)
+        .copy_from(&-(back * position.cross_matrix()));
     by_move.fixed_columns_mut::<3>(3).copy_from(&-back);
     let of_turn = back * relative.view((0, 0), (3, 3)) * rotation;
     let of_position = by_move * relative * by_move.transpose() * (square_mm * square_mm);
@@ -346,7 +363,12 @@ fn finish(eyes: &[Eye; 2], state: &State) -> Option<StereoCalibration> {
         });
         parameter.collect()
     });
-    let camera = |eye: usize| eyes[eye].lens.camera(&state.p[eye], eyes[eye].radius_px).ok();
+    let camera = |eye: usize| {
+        eyes[eye]
+            .lens
+            .camera(&state.p[eye], eyes[eye].radius_px)
+            .ok()
+    };
     Some(StereoCalibration {
         rotation: Rotation3::from_matrix_unchecked(back),
         rotation_standard_error_rad: root(of_turn),

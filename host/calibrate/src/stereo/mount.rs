@@ -8,13 +8,16 @@ use tectum_optics::{Pose, Side};
 pub struct MountFit {
     /// Angle psi of the mount, rad.
     pub psi_rad: f64,
-    /// Angle tau of the mount, rad; 0 where both eyes look the same way, which leaves it open.
+    /// Angle tau of the mount, rad; 0 where both eyes look much the same way, which leaves it open.
     pub tau_rad: f64,
     /// Body <- left camera and body <- right camera: the mount's, each turned by half of the rest.
     pub rotations: [Rotation3<f64>; 2],
     /// Angle of the rotation that no symmetric mount holds, rad.
     pub rest_rad: f64,
 }
+
+/// Eyes that look the same way to within this leave tau open: any roll would pass for one.
+const ALIKE_RAD: f64 = 0.2;
 
 impl MountFit {
     /// Nearest mount to left camera <- right camera. With the mount's angles y = 90 degrees -
@@ -25,8 +28,8 @@ impl MountFit {
         let (along, down) = (turn.y, -turn.z);
         let planar = libm::hypot(along, down);
         // Turns beyond half a circle come out the other way round: there tau is beyond 90 degrees.
-        let (double, tau_rad) = if planar < 1e-6 {
-            (planar, 0.0)
+        let (double, tau_rad) = if planar < ALIKE_RAD {
+            (along, 0.0)
         } else if along < 0.0 {
             (std::f64::consts::TAU - planar, libm::atan2(-down, -along))
         } else {

@@ -4,8 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::bundle::Eye;
 use super::{MIN_PAIRS, StereoError};
-use crate::solve::internal::{Pose, rotation};
 use crate::BoardSize;
+use crate::solve::internal::{Pose, rotation};
 
 /// Directions of the other eye's corners that differ by less than this agree, rad: more than two
 /// separately calibrated eyes are off, far less than a board turned round.
@@ -43,10 +43,7 @@ fn inverse(a: &Pose) -> Pose {
 
 /// Right camera <- left camera (squares) in which most pairs agree, and by pair the map from the
 /// right view's labels to the left view's, if the pair agrees.
-pub fn agree(
-    eyes: &[Eye; 2],
-    size: BoardSize,
-) -> Result<(Pose, Vec<Option<Pose>>), StereoError> {
+pub fn agree(eyes: &[Eye; 2], size: BoardSize) -> Result<(Pose, Vec<Option<Pose>>), StereoError> {
     let [left, right] = eyes;
     let turns = turns(size);
     // right <- left of each pair and reading: P_R T^-1 P_L^-1, T = left labels <- right labels.
@@ -60,11 +57,19 @@ pub fn agree(
             turns.iter().map(relative).collect()
         })
         .collect();
-    let middle = Vector3::new(f64::from(size.columns) / 2.0, f64::from(size.rows) / 2.0, 0.0);
+    let middle = Vector3::new(
+        f64::from(size.columns) / 2.0,
+        f64::from(size.rows) / 2.0,
+        0.0,
+    );
     // Angle between where the right eye sees points of the board and where `relative` puts them.
     let off = |relative: &Pose, pair: usize, turn: usize| {
         let (_, l, r) = both[pair];
-        let points = [middle, Vector3::zeros(), Vector3::new(2.0 * middle.x - 1.0, 0.0, 0.0)];
+        let points = [
+            middle,
+            Vector3::zeros(),
+            Vector3::new(2.0 * middle.x - 1.0, 0.0, 0.0),
+        ];
         let angles = points.map(|point| {
             let on_left = turns[turn].rotation * point + turns[turn].position;
             let put = relative.apply(&l.apply(&on_left));
@@ -79,7 +84,10 @@ pub fn agree(
     let mut best: Option<(usize, f64, Pose)> = None;
     for relative in readings.iter().flatten() {
         let fits = (0..both.len()).filter_map(|pair| nearest(relative, pair));
-        let fits: Vec<f64> = fits.map(|fit| fit.1).filter(|off| *off < AGREES_RAD).collect();
+        let fits: Vec<f64> = fits
+            .map(|fit| fit.1)
+            .filter(|off| *off < AGREES_RAD)
+            .collect();
         let sum = fits.iter().sum::<f64>();
         let better = best.as_ref().is_none_or(|(count, least, _)| {
             fits.len() > *count || (fits.len() == *count && sum < *least)

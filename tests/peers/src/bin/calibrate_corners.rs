@@ -24,7 +24,9 @@ struct Corners {
 
 fn main() -> anyhow::Result<()> {
     let mut args = std::env::args_os().skip(1);
-    let path = args.next().context("usage: calibrate_corners FILE [DEGREE]")?;
+    let path = args
+        .next()
+        .context("usage: calibrate_corners FILE [DEGREE]")?;
     let degree = match args.next() {
         Some(degree) => Some(degree.to_string_lossy().parse().context("DEGREE")?),
         None => None,

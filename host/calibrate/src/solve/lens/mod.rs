@@ -39,6 +39,11 @@ pub trait Lens: fmt::Debug + Sync + Send {
     /// values there.
     fn describe(&self) -> Vec<(String, f64)>;
 
+    /// Whether image rows and columns may be other than perpendicular.
+    fn is_skewed(&self) -> bool {
+        false
+    }
+
     /// Number of parameters.
     fn count(&self) -> usize {
         self.describe().len()
@@ -102,8 +107,12 @@ fn radial(
     if r < 1e-12 * ray.z.abs() {
         let k = at_axis;
         let by_ray = Matrix2x3::new(
-            k, 0.0, -k * ray.x / ray.z, //
-            0.0, k, -k * ray.y / ray.z,
+            k,
+            0.0,
+            -k * ray.x / ray.z, //
+            0.0,
+            k,
+            -k * ray.y / ray.z,
         );
         return (Vector2::new(k * ray.x, k * ray.y), by_ray);
     }

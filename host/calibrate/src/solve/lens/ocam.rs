@@ -147,6 +147,10 @@ impl Lens for OcamLens {
         names
     }
 
+    fn is_skewed(&self) -> bool {
+        self.skew
+    }
+
     fn count(&self) -> usize {
         self.offset() + self.powers().count()
     }

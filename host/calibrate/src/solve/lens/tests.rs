@@ -14,9 +14,7 @@ fn lenses() -> Vec<(Box<dyn Lens>, Vec<f64>)> {
         ),
         (
             Box::new(KannalaBrandtLens),
-            vec![
-                640.0, 480.0, 300.0, 301.0, -0.02, 0.003, -4e-4, 2e-5,
-            ],
+            vec![640.0, 480.0, 300.0, 301.0, -0.02, 0.003, -4e-4, 2e-5],
         ),
         (
             Box::new(DoubleSphereLens),
@@ -70,16 +68,20 @@ fn derivatives_are_those_of_differences() {
 #[test]
 fn pixels_and_rays_are_those_of_the_camera() {
     for (lens, p) in lenses() {
-        let camera = lens.camera(&p, 800.0).expect("a camera");
-        for ray in rays() {
-            let seen = lens.project(&p, &ray).expect("in the field").pixel;
+        // A polynomial goes on straight beyond its scale, the camera ends there.
+        let camera = lens.camera(&p, 500.0).expect("a camera");
+        let seen = rays().into_iter().filter(|ray| camera.project(ray).is_ok());
+        let seen: Vec<Vector3<f64>> = seen.collect();
+        assert!(seen.len() >= 4, "{}", lens.name());
+        for ray in seen {
             let exact = camera.project(&ray).expect("in the field");
-            // Rounding of pixels near 1e3.
-            assert!((seen.x - exact[0]).hypot(seen.y - exact[1]) < 1e-10);
+            let seen = lens.project(&p, &ray).expect("in the field").pixel;
+            // The root is found to 1e-13 of the scale.
+            assert!((seen.x - exact[0]).hypot(seen.y - exact[1]) < 1e-9);
             let back = lens.unproject(&p, [seen.x, seen.y]).expect("in the image");
             let angle = tectum_optics::convention::angle_between(&back, &ray);
             // The same over some 300 px a radian.
-            assert!(angle < 1e-11, "{} {ray} {angle}", lens.name());
+            assert!(angle < 1e-10, "{} {ray} {angle}", lens.name());
         }
         let names = lens.describe();
         let names: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
@@ -88,7 +90,7 @@ fn pixels_and_rays_are_those_of_the_camera() {
         let ray = Vector3::new(1.0, -2.0, 0.3);
         let gap = again.project(&q, &ray).expect("in the field").pixel
             - lens.project(&p, &ray).expect("in the field").pixel;
-        assert!(gap.norm() < 1e-10);
+        assert!(gap.norm() < 1e-9);
         assert_eq!(lens.describe().len(), lens.count());
     }
 }
