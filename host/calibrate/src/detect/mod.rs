@@ -1,1 +1,4 @@
 //! Corners and markers in pictures.
+
+pub mod chessboard;
+pub mod marker;
