@@ -151,8 +151,8 @@ impl Block {
             for a in 0..n {
                 let by = seen.by_lens[a] * weight;
                 lens_gradient[a] += by.dot(&residual);
-                for b in a..n {
-                    upper[a][b] += by.dot(&seen.by_lens[b]);
+                for (sum, other) in upper[a][a..n].iter_mut().zip(&seen.by_lens[a..]) {
+                    *sum += by.dot(other);
                 }
                 for (b, mixed) in mixed[a].iter_mut().enumerate() {
                     *mixed += by.x * by_pose[(0, b)] + by.y * by_pose[(1, b)];

@@ -154,7 +154,7 @@ fn base(sights: Vec<Sight>, size_px: [u32; 2]) -> Option<(OcamLens, Fit)> {
         sigma_px: 1.0,
     };
     let flexible = start.lens.with_degree(degree).skewed();
-    let p = flexible.from_profile([fit.p[0], fit.p[1]], &choice::profile(&start.lens, &fit))?;
+    let p = flexible.meet_profile([fit.p[0], fit.p[1]], &choice::profile(&start.lens, &fit))?;
     let fit = Fit { p, ..fit }.cleaned(&flexible)?;
     Some((flexible, fit))
 }

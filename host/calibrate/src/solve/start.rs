@@ -65,7 +65,7 @@ pub fn find(sights: &[Sight], size_px: [u32; 2]) -> Option<Start> {
             .map(|i| reach * f64::from(i) / 40.0)
             .map(|rho| [rho, rho / focal])
             .collect();
-        starts.extend(lens.from_profile(middle.into(), &profile));
+        starts.extend(lens.meet_profile(middle.into(), &profile));
     }
     let scored = starts.into_iter().map(|p| {
         let found: Vec<Option<Pose>> = sights
@@ -186,8 +186,8 @@ fn simplex(
             along(if reflected.1 < worst.1 { 0.5 } else { -0.5 })
         };
         if corners[2].1 > worst.1 {
-            for k in 1..3 {
-                corners[k] = at((corners[k].0 + best.0) / 2.0);
+            for corner in &mut corners[1..] {
+                *corner = at((corner.0 + best.0) / 2.0);
             }
         }
     }

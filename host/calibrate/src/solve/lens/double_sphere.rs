@@ -67,7 +67,7 @@ impl Lens for DoubleSphereLens {
         self.camera(p, 1.0).ok()?.unproject(pixel).ok()
     }
 
-    fn from_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>> {
+    fn meet_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>> {
         // The best of a grid; for each (xi, alpha) the focal length is linear.
         let mut best: Option<(f64, Vec<f64>)> = None;
         for i in -18..=18 {

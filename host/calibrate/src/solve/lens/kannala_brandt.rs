@@ -75,7 +75,7 @@ impl Lens for KannalaBrandtLens {
         self.camera(p, 1.0).ok()?.unproject(pixel).ok()
     }
 
-    fn from_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>> {
+    fn meet_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>> {
         // rho = f (theta + k1 theta^3 + ...), linear in f, f k1, ...
         let matrix = DMatrix::from_fn(profile.len(), 5, |i, k| {
             profile[i][1].powi(1 + 2 * k as i32)

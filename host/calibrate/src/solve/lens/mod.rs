@@ -57,7 +57,7 @@ pub trait Lens: fmt::Debug + Sync + Send {
 
     /// Parameters of the lens of this family next to a radial profile: angle off axis, rad, at
     /// distances from the centre, px. `None` if there is none.
-    fn from_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>>;
+    fn meet_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>>;
 
     /// The camera, valid to `radius_px` from its centre.
     ///

@@ -201,7 +201,7 @@ impl Lens for OcamLens {
         Some(Vector3::new(ideal.x, ideal.y, z))
     }
 
-    fn from_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>> {
+    fn meet_profile(&self, centre_px: [f64; 2], profile: &[[f64; 2]]) -> Option<Vec<f64>> {
         // f(rho) sin(theta) = rho cos(theta), linear in b.
         let powers: Vec<i32> = self.powers().map(|k| k as i32).collect();
         let matrix = DMatrix::from_fn(profile.len(), powers.len(), |i, k| {

@@ -102,7 +102,7 @@ fn a_profile_is_met() {
         .map(|theta| [300.0 * (theta - 0.01 * theta * theta * theta), theta])
         .collect();
     for (lens, _) in lenses() {
-        let p = lens.from_profile([1.0, 2.0], &profile).expect("a fit");
+        let p = lens.meet_profile([1.0, 2.0], &profile).expect("a fit");
         for [rho, theta] in &profile {
             let ray = Vector3::new(0.0, libm::sin(*theta), libm::cos(*theta));
             let seen = lens.project(&p, &ray).expect("in the field").pixel;
