@@ -15,8 +15,8 @@ const LEADING_MM: f64 = 3.5;
 const RULER_MM: f64 = 100.0;
 /// Below this, the caption goes under the ruler instead of beside it.
 const CAPTION_MM: f64 = 65.0;
-/// Lines that a caption takes at most; the space is kept on every page, so that the space for the
-/// target does not depend on the text.
+/// Lines that a caption takes on a narrow page; twice as wide they are half as many. The space is
+/// kept on every page, so that the space for the target does not depend on the text.
 const CAPTION_LINES: usize = 8;
 /// Between ruler and target, and ruler and caption.
 const GAP_MM: f64 = 3.0;
@@ -46,7 +46,6 @@ impl Frame {
         let beside = left + f64::from(ruler_x) + 3.0 * GAP_MM;
         let block = CAPTION_LINES as f64 * LEADING_MM;
         let (caption_x, foot, caption_down) = if width - MARGIN_MM - beside >= CAPTION_MM {
-            // Beside it twice as wide, so half as many lines.
             let foot = (block / 2.0).max(DEPTH_MM);
             (beside, foot, 0.0)
         } else {

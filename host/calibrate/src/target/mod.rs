@@ -70,8 +70,11 @@ impl Target {
             Self::Chessboard(board) => vec![board_words(board)],
             Self::Marker(marker) => vec![marker.words()],
             Self::Overlap(target) => vec![
-                board_words(&target.board),
-                target.marker().words(),
+                format!(
+                    "{}. {}",
+                    board_words(&target.board),
+                    target.marker().words()
+                ),
                 target.place_words(),
             ],
         }

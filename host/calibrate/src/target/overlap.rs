@@ -94,8 +94,8 @@ impl OverlapTarget {
     pub(super) fn place_words(&self) -> String {
         let [x, y] = self.marker_origin_mm.map(short);
         format!(
-            "Marker's top left corner at x {x} mm, y {y} mm from inner corner (0, 0), the top left \
-             one; x to the right, y down"
+            "Marker's top left corner: x {x} mm, y {y} mm from inner corner (0, 0) at the top left; x \
+             right, y down"
         )
     }
 }

@@ -77,7 +77,7 @@ mod tests {
     fn names_and_numbers() {
         let page = |text: &str| text.parse::<PageSize>().unwrap().portrait_mm();
         assert_eq!(page("A3"), [297.0, 420.0]);
-        assert_eq!(page("letter"), [8.5 * 25.4, 11.0 * 25.4]);
+        assert_eq!(page("letter"), [215.9, 279.4]);
         assert_eq!(page("450x300.5"), [300.5, 450.0]);
         for bad in [
             "", "a9", "x", "99x200", "200x", "nanx200", "infx200", "1e9x200", "-210x297",

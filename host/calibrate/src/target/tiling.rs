@@ -45,7 +45,7 @@ mod tests {
         // A module's edge 1 mm beside the middle of the square from 40 to 60.
         let edges = [0.0, 20.0, 40.0, 49.0, 60.0, 80.0];
         assert_eq!(
-            cuts(0.0, 80.0, &edges, 50.0),
+            cuts(0.0, 80.0, &edges, 45.0),
             Some(vec![0.0, 30.0, 70.0, 80.0])
         );
     }
