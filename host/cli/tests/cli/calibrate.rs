@@ -50,8 +50,13 @@ fn a_drawn_session_gives_its_lens_and_all_files() {
     let json = bench.json(&format!("{RUN} --medium water {exports}"));
     assert_eq!(json["images"], 13);
     assert_eq!(json["accepted"], 11);
-    assert_eq!(json["resumed"], 0);
-    assert!(number(&json, "/corners") > 0.95 * 11.0 * 48.0, "{json}");
+    // The copy may find its original's detection already kept.
+    assert!(number(&json, "/resumed") <= 1.0, "{json}");
+    let found = json["views"].as_array().unwrap().iter();
+    let found: f64 = found.map(|view| number(view, "/corners")).sum();
+    assert_eq!(found, 11.0 * 48.0, "{json}");
+    // Most take part: those of the sharpest pictures set the bound for outliers.
+    assert!(number(&json, "/corners") > 0.8 * found, "{json}");
     // Corners of a sharp drawing with two levels of noise are good to some hundredths.
     assert!(number(&json, "/rms_px") < 0.1, "{json}");
     assert!(number(&json, "/held_out_rms_px") < 0.15, "{json}");
@@ -181,6 +186,33 @@ fn sessions_that_fix_no_lens_say_why() {
     };
     let shots: Vec<Shot> = (0..6).map(corner).collect();
     assert_fails(&bench(&shots), RUN, &["one side of its centre"], true);
+}
+
+#[test]
+fn mirrored_pictures_are_told_by_a_marker() {
+    let shots = boards::session([8, 6]);
+    let bench = bench(&shots[..4]);
+    let run = format!("{RUN} --markers DICT_4X4_50");
+    let dictionary: tectum_calibrate::Dictionary = "DICT_4X4_50".parse().unwrap();
+    for (index, shot) in shots[..4].iter().enumerate() {
+        let mut picture = shot.draw(boards::SIZE_PX);
+        // Marker 7 in the upper left corner, cells of 6 px, a white cell around.
+        for (x, y) in (0..48).flat_map(|y| (0..48).map(move |x| (x, y))) {
+            let [column, row] = [x / 6, y / 6].map(|cell: usize| cell.checked_sub(2));
+            let inner = column
+                .zip(row)
+                .and_then(|(c, r)| dictionary.is_white(7, r, c));
+            let surround = [x / 6, y / 6].iter().any(|cell| *cell == 0 || *cell == 7);
+            let white = surround || inner.unwrap_or(false);
+            let gray = image::Luma([if white { 210 } else { 30 }]);
+            picture.put_pixel(x as u32 + 4, y as u32 + 4, gray);
+        }
+        let mirrored = image::imageops::flip_horizontal(&picture);
+        mirrored
+            .save(bench.path(&format!("shots/{index:02}.png")))
+            .unwrap();
+    }
+    assert_fails(&bench, &run, &["shots/00.png", "mirrored"], true);
 }
 
 #[test]

@@ -2,7 +2,10 @@
 
 mod bad_input;
 mod board;
+mod boards;
+mod calibrate;
 mod common;
 mod demo;
+mod detect;
 mod verbs;
 mod water;
