@@ -8,6 +8,7 @@
 pub mod camera;
 pub mod convention;
 mod field;
+mod front_element;
 pub mod io;
 mod pose;
 pub mod projection;
@@ -15,6 +16,7 @@ mod rig;
 
 pub use camera::{CameraModel, ModelError};
 pub use field::{Eye, Field, FieldError, SightError};
+pub use front_element::{FrontElement, FrontElementError, InWater, WATER_INDEX};
 pub use pose::{Pose, Side};
 pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
 pub use rig::{CalibratedEye, Medium, Provenance, Rig, RigError, RigEye};

@@ -43,7 +43,7 @@ impl Frame {
         let tens = |mm: f64| (mm.min(RULER_MM) / 10.0) as u32 * 10;
         // The last number is wider than its tick.
         let ruler_x = tens(width - left - MARGIN_MM - 5.0);
-        let beside = left + f64::from(ruler_x) + 3.0 * GAP_MM;
+        let beside = left + f64::from(ruler_x) + 4.0 * GAP_MM;
         let block = CAPTION_LINES as f64 * LEADING_MM;
         let (caption_x, foot, caption_down) = if width - MARGIN_MM - beside >= CAPTION_MM {
             let foot = (block / 2.0).max(DEPTH_MM);

@@ -9,7 +9,7 @@ mod equidistant;
 mod eucm;
 mod kannala_brandt;
 mod ocam;
-mod root;
+pub(crate) mod root;
 #[cfg(test)]
 mod tests;
 
