@@ -2,6 +2,7 @@
 
 mod outputs;
 mod shots;
+mod stereo;
 mod summary;
 
 use std::path::{Path, PathBuf};
@@ -21,7 +22,8 @@ use shots::Shots;
     tectum calibrate session --board 8x6 --square-mm 30 -o eye.toml --report report.html\n  \
     tectum calibrate near far --board 8x6 --square-mm 30 -o left.toml --medium water\n  \
     tectum calibrate session --board 8x6 --square-mm 30 -o eye.toml \\\n      \
-    --calib-results calib_results.txt --opencv opencv.yml --kalibr camchain.yaml\n\n\
+    --calib-results calib_results.txt --opencv opencv.yml --kalibr camchain.yaml\n  \
+    tectum calibrate --left l --right r --board 8x6 --square-mm 30 -o rig.toml\n\n\
     A board is told by its inner corners, columns x rows: 9 x 7 squares are 8x6. 10 pictures or\n\
     more, the board tilted every way and out to the edge of the image. The lens is OCamCalib's\n\
     polynomial, its degree chosen on pictures held out; other models are fitted to the same corners\n\
@@ -33,8 +35,20 @@ use shots::Shots;
     boards have covered, and a field_deg in the rig goes before it.")]
 pub struct Args {
     /// Folders of pictures, or pictures, of one eye
-    #[arg(required = true, value_name = "FOLDER")]
+    #[arg(required_unless_present = "left", value_name = "FOLDER")]
     pictures: Vec<PathBuf>,
+    /// Folder of the left eye's pictures, for both eyes: pairs have the same name, or the same last
+    /// number in it; writes OUT-left.toml and OUT-right.toml, and the rig to OUT.toml
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "right",
+        conflicts_with = "pictures"
+    )]
+    left: Option<PathBuf>,
+    /// Folder of the right eye's pictures
+    #[arg(long, value_name = "DIR", requires = "left")]
+    right: Option<PathBuf>,
     /// Inner corners of the chessboard, columns x rows
     #[arg(long, value_name = "8x6", value_parser = detecting::board)]
     board: BoardSize,
@@ -45,16 +59,16 @@ pub struct Args {
     #[arg(short, long, value_name = "EYE.toml")]
     output: PathBuf,
     /// Report to write: one HTML page
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(long, value_name = "FILE.html", conflicts_with = "left")]
     report: Option<PathBuf>,
     /// OCamCalib's file to write
-    #[arg(long, value_name = "FILE.txt")]
+    #[arg(long, value_name = "FILE.txt", conflicts_with = "left")]
     calib_results: Option<PathBuf>,
     /// OpenCV's file to write (cv::fisheye)
-    #[arg(long, value_name = "FILE.yml")]
+    #[arg(long, value_name = "FILE.yml", conflicts_with = "left")]
     opencv: Option<PathBuf>,
     /// Kalibr's file to write (pinhole, equidistant)
-    #[arg(long, value_name = "FILE.yaml")]
+    #[arg(long, value_name = "FILE.yaml", conflicts_with = "left")]
     kalibr: Option<PathBuf>,
     /// Model of the eye's lens
     #[arg(long, value_enum, default_value_t = ModelName::Ocam)]
@@ -128,10 +142,13 @@ fn field_deg(text: &str) -> Result<f64, String> {
 
 /// Calibrates one eye.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
+    if let (Some(left), Some(right)) = (&args.left, &args.right) {
+        return stereo::run(args, [left, right]);
+    }
     for file in args.outputs() {
         files::check_writable(file)?;
     }
-    let shots = shots::take(args)?;
+    let shots = shots::take(args, &args.pictures)?;
     let kept = |error| shots.and_kept(error);
     let eye = CalibratedShots::new(args, &shots, args.model.into()).map_err(kept)?;
     outputs::write(args, &eye).map_err(kept)?;
@@ -160,6 +177,14 @@ impl Args {
         }
     }
 
+    fn options(&self, model: solve::Model) -> Options {
+        Options {
+            model,
+            degree: self.degree,
+            ..Options::default()
+        }
+    }
+
     fn session_folder(&self) -> PathBuf {
         let beside = || self.output.with_extension("session");
         self.session.clone().unwrap_or_else(beside)
@@ -179,11 +204,7 @@ impl<'a> CalibratedShots<'a> {
             board: args.board(),
             views: shots.views().map(|(_, _, view)| view.clone()).collect(),
         };
-        let options = Options {
-            model,
-            degree: args.degree,
-            ..Options::default()
-        };
+        let options = args.options(model);
         let calibration = solve::calibrate(&problem, &options).map_err(|error| match error {
             // These count pictures; their names say more.
             CalibrateError::BadCorner { view, .. }

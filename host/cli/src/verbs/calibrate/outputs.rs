@@ -1,6 +1,7 @@
 //! The files that a calibration leaves.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use anyhow::{Context, bail};
 use image::GrayImage;
@@ -11,6 +12,7 @@ use tectum_optics::io::opencv_yaml::{FileStorage, FisheyeCalib};
 use tectum_optics::io::{CalibratedCamera, kalibr, ocam_calib::OcamCalib};
 use tectum_optics::{CalibratedEye, CameraModel, Eye, Field, Provenance};
 
+use super::shots::Shots;
 use super::{Args, CalibratedShots};
 use crate::{files, pictures};
 
@@ -20,7 +22,9 @@ const RIM_PICTURES: usize = 16;
 /// Writes all that is asked for.
 pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
     let size_px = frame_size(&eye.calibration)?;
-    let toml = eye_file(args, eye)?.to_toml()?;
+    let used = eye.views().filter(|(.., fit)| fit.rejection.is_none());
+    let used = used.map(|(file, sha256, ..)| (file, sha256));
+    let toml = eye_file(args, &eye.calibration, eye.shots, used)?.to_toml()?;
     files::write(&args.output, toml.as_bytes())?;
     if let Some(path) = &args.calib_results {
         let CameraModel::Ocam(model) = of_model(args, eye, Model::Ocam)? else {
@@ -70,9 +74,13 @@ fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Res
     Ok(other.calibration.model)
 }
 
-fn eye_file(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<CalibratedEye> {
-    let calibration = &eye.calibration;
-    let used = eye.views().filter(|(.., fit)| fit.rejection.is_none());
+/// The eye's file; `used` are the pictures that took part, with their hashes.
+pub fn eye_file<'a>(
+    args: &Args,
+    calibration: &Calibration,
+    shots: &Shots,
+    used: impl Iterator<Item = (&'a Path, &'a str)>,
+) -> anyhow::Result<CalibratedEye> {
     Ok(CalibratedEye {
         medium: args.medium.into(),
         eye: Eye {
@@ -84,14 +92,14 @@ fn eye_file(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<Calibrated
             made_by: concat!("tectum ", env!("CARGO_PKG_VERSION")).into(),
             board: args.board.to_string(),
             square_mm: args.square_mm,
-            images: eye.shots.detections.pictures.len(),
+            images: shots.detections.pictures.len(),
             accepted: calibration.views_used(),
             corners: calibration.corners_used(),
             rms_px: calibration.rms_px,
             held_out_rms_px: calibration.held_out_rms_px,
             standard_errors: standard_errors(calibration),
             pictures_sha256: used
-                .map(|(file, sha256, ..)| (file.display().to_string(), sha256.to_owned()))
+                .map(|(file, sha256)| (file.display().to_string(), sha256.to_owned()))
                 .collect(),
         }),
     })

@@ -26,8 +26,8 @@ pub struct Shots {
 }
 
 /// Detects, and refuses pictures that no calibration can come from.
-pub fn take(args: &Args) -> anyhow::Result<Shots> {
-    let files = list(&args.pictures)?;
+pub fn take(args: &Args, given: &[PathBuf]) -> anyhow::Result<Shots> {
+    let files = list(given)?;
     check_sizes(&files)?;
     let targets = Targets {
         board: Some(args.board),
@@ -67,6 +67,23 @@ impl Shots {
                 .any(|[file, _]| *file == picture.file);
             (!again).then_some((&*picture.file, &*detected.sha256, view))
         })
+    }
+
+    /// All pictures given.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let pictures = self.detections.pictures.iter();
+        pictures.map(|picture| picture.file.clone()).collect()
+    }
+
+    /// Corners of a picture by its index, if it shows the board.
+    pub fn view(&self, index: usize) -> Option<&View> {
+        self.detections
+            .pictures
+            .get(index)?
+            .detected()?
+            .found
+            .board
+            .as_ref()
     }
 
     /// An error, with the pictures that were skipped and where the rest is kept.

@@ -1,0 +1,202 @@
+//! Both eyes from pictures taken at once: two eyes' files and the rig that ties them together.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Rotation3, Vector3};
+use serde_json::json;
+use tectum_calibrate::session::{Pairs, pair_by_name};
+use tectum_calibrate::solve::{self, Problem};
+use tectum_calibrate::stereo::{self, StereoCalibration};
+use tectum_calibrate::{Calibration, View};
+use tectum_optics::{CameraModel, Medium};
+
+use super::shots::{self, Shots};
+use super::{Args, outputs};
+use crate::files;
+use crate::report::Report;
+
+/// Calibrates both eyes and their relative pose.
+pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
+    let names = ["left", "right"].map(|side| eye_path(&args.output, side));
+    for file in names.iter().chain([&args.output]) {
+        files::check_writable(file)?;
+    }
+    let [left, right] = folders.map(|folder| shots::take(args, &[folder.to_owned()]));
+    let shots = [left?, right?];
+    let kept = |error| shots[0].and_kept(error);
+    let [left, right] = [&shots[0], &shots[1]].map(Shots::files);
+    let pairs = pair_by_name(&left, &right)?;
+    let [left, right] = problems(args, &shots, &pairs);
+    let calibrate = |problem| solve::calibrate(problem, &args.options(args.model.into()));
+    let eyes = [("left", &left), ("right", &right)].map(|(side, problem)| {
+        let calibrated = calibrate(problem);
+        calibrated.map_err(|error| kept(anyhow::anyhow!("{side} eye: {error}")))
+    });
+    let [left_eye, right_eye] = eyes;
+    let eyes = [left_eye?, right_eye?];
+    let both = stereo::calibrate((&left, &eyes[0]), (&right, &eyes[1]));
+    let both = both.map_err(|error| kept(error.into()))?;
+    for (k, model) in [&both.left, &both.right].into_iter().enumerate() {
+        write_eye(
+            args,
+            &shots[k],
+            &eyes[k],
+            (model, &both.parameters[k]),
+            &names[k],
+        )?;
+    }
+    files::write(&args.output, rig(args, &both, &names).as_bytes())?;
+    Ok(report(args, &both, &eyes, &pairs, &names))
+}
+
+/// `rig.toml` to `rig-left.toml`.
+fn eye_path(rig: &Path, side: &str) -> PathBuf {
+    let stem = rig.file_stem().unwrap_or_default().to_string_lossy();
+    rig.with_file_name(format!("{stem}-{side}.toml"))
+}
+
+/// Both eyes' corners picture by picture: pairs first, then what only one eye has, beside nothing.
+fn problems(args: &Args, shots: &[Shots; 2], pairs: &Pairs) -> [Problem; 2] {
+    let alone = |side: usize| {
+        let paired = move |i: &usize| pairs.pairs.iter().any(|pair| pair[side] == *i);
+        let count = shots[side].detections.pictures.len();
+        (0..count).filter(move |i| !paired(i))
+    };
+    let both = pairs.pairs.iter().map(|[l, r]| [Some(*l), Some(*r)]);
+    let rows: Vec<[Option<usize>; 2]> = both
+        .chain(alone(0).map(|i| [Some(i), None]))
+        .chain(alone(1).map(|i| [None, Some(i)]))
+        .collect();
+    [0, 1].map(|side| {
+        let view = |row: &[Option<usize>; 2]| -> View {
+            let seen = row[side].and_then(|index| shots[side].view(index));
+            seen.cloned().unwrap_or_default()
+        };
+        Problem {
+            size_px: shots[side].size_px,
+            board: args.board(),
+            views: rows.iter().map(view).collect(),
+        }
+    })
+}
+
+fn write_eye(
+    args: &Args,
+    shots: &Shots,
+    calibration: &Calibration,
+    (model, parameters): (&CameraModel, &[tectum_calibrate::Parameter]),
+    path: &Path,
+) -> anyhow::Result<()> {
+    let mut refined = calibration.clone();
+    refined.model = model.clone();
+    refined.parameters = parameters.to_vec();
+    let pictures = shots.views().map(|(file, sha256, _)| (file, sha256));
+    let eye = outputs::eye_file(args, &refined, shots, pictures)?;
+    files::write(path, eye.to_toml()?.as_bytes())
+}
+
+/// The rig: body frame by the symmetric mount nearest to the eyes, origin midway between them.
+fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> String {
+    let mount = both.mount();
+    let half = mount.rotations[0] * both.position_mm / 2.0;
+    let [about_x, about_y, about_z] = degrees(&both.rotation_standard_error_rad);
+    let mut text = format!(
+        "# Made by tectum {} from pictures that both eyes took at once.\n\
+         # Mount: psi {:.3}, tau {:.3} degrees, {:.3} degrees off a symmetric mount.\n\
+         # Baseline {:.2} mm. Standard errors: rotation about the left camera's x, y, z \
+         {about_x:.4}, {about_y:.4}, {about_z:.4} degrees;\n# the right eye's position {:.3?} mm.\n\
+         name = \"{}\"\nmedium = \"{}\"\nstitch_distance_m = inf\n",
+        env!("CARGO_PKG_VERSION"),
+        mount.psi_rad.to_degrees(),
+        mount.tau_rad.to_degrees(),
+        mount.rest_rad.to_degrees(),
+        both.baseline_mm(),
+        <[f64; 3]>::from(both.position_standard_error_mm),
+        "stereo",
+        Medium::from(args.medium),
+    );
+    let places = [("left", -half), ("right", half)];
+    for (k, (side, position_mm)) in places.into_iter().enumerate() {
+        let rotation: &Rotation3<f64> = &mount.rotations[k];
+        let _ = write!(
+            text,
+            "\n[{side}]\nfile = {:?}\n[{side}.pose]\nrotation_vector_rad = {:?}\n\
+             position_mm = {:?}\n",
+            eyes[k].file_name().unwrap_or_default().to_string_lossy(),
+            <[f64; 3]>::from(rotation.scaled_axis()),
+            <[f64; 3]>::from(position_mm),
+        );
+    }
+    text
+}
+
+fn degrees(rad: &Vector3<f64>) -> [f64; 3] {
+    rad.map(f64::to_degrees).into()
+}
+
+fn report(
+    args: &Args,
+    both: &StereoCalibration,
+    eyes: &[Calibration; 2],
+    pairs: &Pairs,
+    names: &[PathBuf; 2],
+) -> Report {
+    let mount = both.mount();
+    let used = both.pairs_rms_px.iter().flatten().count();
+    let error_deg = degrees(&both.rotation_standard_error_rad);
+    let mut text = format!(
+        "{}: both eyes, {used} of {} pairs tie them together, {:.3} px RMS\n\n\
+         psi        {:.3} degrees\ntau        {:.3} degrees\n\
+         rest       {:.3} degrees off a symmetric mount\nbaseline   {:.2} mm\n\
+         std. error rotation {error_deg:.4?} degrees, position {:.3?} mm\n",
+        args.output.display(),
+        pairs.pairs.len(),
+        both.rms_px,
+        mount.psi_rad.to_degrees(),
+        mount.tau_rad.to_degrees(),
+        mount.rest_rad.to_degrees(),
+        both.baseline_mm(),
+        <[f64; 3]>::from(both.position_standard_error_mm),
+    );
+    for (name, eye) in names.iter().zip(eyes) {
+        let _ = writeln!(
+            text,
+            "{}: {} pictures, {} corners, {:.3} px RMS alone",
+            name.display(),
+            eye.views_used(),
+            eye.corners_used(),
+            eye.rms_px
+        );
+    }
+    for file in &pairs.alone {
+        let _ = writeln!(text, "no partner for {}", file.display());
+    }
+    let eye = |eye: &Calibration| {
+        json!({
+            "accepted": eye.views_used(),
+            "corners": eye.corners_used(),
+            "rms_px": eye.rms_px,
+            "held_out_rms_px": eye.held_out_rms_px,
+            "field_deg": 2.0 * eye.field_rad.to_degrees(),
+        })
+    };
+    let json = json!({
+        "pairs": pairs.pairs.len(),
+        "pairs_used": used,
+        "unpaired": pairs.alone,
+        "rms_px": both.rms_px,
+        "psi_deg": mount.psi_rad.to_degrees(),
+        "tau_deg": mount.tau_rad.to_degrees(),
+        "rest_deg": mount.rest_rad.to_degrees(),
+        "baseline_mm": both.baseline_mm(),
+        "rotation_vector_rad": <[f64; 3]>::from(both.rotation.scaled_axis()),
+        "rotation_standard_error_deg": error_deg,
+        "position_mm": <[f64; 3]>::from(both.position_mm),
+        "position_standard_error_mm": <[f64; 3]>::from(both.position_standard_error_mm),
+        "left": eye(&eyes[0]),
+        "right": eye(&eyes[1]),
+        "files": [&args.output, &names[0], &names[1]],
+    });
+    Report::new(text, json)
+}
