@@ -216,6 +216,29 @@ fn mirrored_pictures_are_told_by_a_marker() {
 }
 
 #[test]
+fn two_eyes_at_one_place_are_a_rig_without_a_baseline() {
+    let shots = boards::session([8, 6]);
+    let bench = bench(&shots);
+    boards::write(&bench.path("other"), &shots[..10]);
+    let run = "calibrate --left shots --right other --board 8x6 --square-mm 30 -o both.toml";
+    let json = bench.json(run);
+    assert_eq!(json["pairs_used"], 10, "{json}");
+    assert_eq!(json["unpaired"][0], "shots/10.png");
+    // Both eyes see the same pictures: nothing but the eleventh board can part them.
+    assert!(number(&json, "/baseline_mm") < 0.5, "{json}");
+    assert!((number(&json, "/psi_deg") - 180.0).abs() < 0.1, "{json}");
+    assert!(bench.done("inspect both.toml").contains("ocam"));
+    fs::rename(bench.path("other"), bench.path("shots/sub")).unwrap();
+    fs::create_dir(bench.path("other")).unwrap();
+    fs::copy(bench.path("shots/00.png"), bench.path("other/b77.png")).unwrap();
+    let message = bench.refused(1, run);
+    assert!(
+        message.contains("no two pictures belong together"),
+        "{message}"
+    );
+}
+
+#[test]
 fn damaged_detections_are_set_aside_and_named() {
     let bench = bench(&boards::session([8, 6])[..1]);
     bench.run(RUN);
