@@ -107,7 +107,7 @@ impl Candidate<'_> {
 /// A polynomial whose RMS over the views it is fitted to exceeds that of the best one, with skew or
 /// without as itself, by this factor is too stiff: on the hundreds of corners of even a few views
 /// the excess is no chance, while the few held-out views may tell it badly.
-const STIFF: f64 = 1.02;
+const STIFF: f64 = 1.03;
 
 /// Judges the candidates on held-out views, side by side; polynomials that are too stiff are out.
 pub fn hold_out(candidates: &mut [Candidate<'_>]) {
