@@ -106,14 +106,14 @@ fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> String {
          # Mount: psi {:.3}, tau {:.3} degrees, {:.3} degrees off a symmetric mount.\n\
          # Baseline {:.2} mm. Standard errors: rotation about the left camera's x, y, z \
          {about_x:.4}, {about_y:.4}, {about_z:.4} degrees;\n# the right eye's position {:.3?} mm.\n\
-         name = \"{}\"\nmedium = \"{}\"\nstitch_distance_m = inf\n",
+         name = {:?}\nmedium = \"{}\"\nstitch_distance_m = inf\n",
         env!("CARGO_PKG_VERSION"),
         mount.psi_rad.to_degrees(),
         mount.tau_rad.to_degrees(),
         mount.rest_rad.to_degrees(),
         both.baseline_mm(),
         <[f64; 3]>::from(both.position_standard_error_mm),
-        "stereo",
+        args.output.file_stem().unwrap_or_default().to_string_lossy(),
         Medium::from(args.medium),
     );
     let places = [("left", -half), ("right", half)];
