@@ -119,7 +119,7 @@ fn pixels_keep_their_place_and_rays_turn() {
         assert!(found.misfit_rad < GOOD_RAD, "{name}: {found:?}");
         let mut compared = 0;
         for azimuth_deg in (0..360).step_by(30) {
-            for air_deg in [1.0, 20.0, 45.0, 70.0, 89.9] {
+            for air_deg in [1.0f64, 20.0, 45.0, 70.0, 89.9] {
                 let azimuth = f64::from(azimuth_deg).to_radians();
                 let ray = |theta: f64| {
                     let (s, c) = azimuth.sin_cos();
