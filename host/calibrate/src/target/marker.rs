@@ -101,7 +101,8 @@ mod tests {
     /// First, seventh and last marker as OpenCV 5.0's `generateImageMarker` draws them.
     #[test]
     fn markers_equal_opencv() {
-        let drawn: [(&str, usize, [(u32, u64); 3]); 10] = [
+        type Drawn = (&'static str, usize, [(u32, u64); 3]);
+        let drawn: [Drawn; 10] = [
             ("DICT_4X4_50", 4, [(0, 0xb532), (7, 0xc4f2), (49, 0x5013)]),
             (
                 "DICT_5X5_1000",
