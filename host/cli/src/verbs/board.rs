@@ -57,7 +57,7 @@ pub struct Args {
     /// Page: a4, a3, a2, a1, a0, letter, tabloid or WxH in mm; turned as it suits
     #[arg(long, value_name = "PAGE", default_value = "a4")]
     page: PageSize,
-    /// Resolution of a PNG, dots per inch
+    /// Resolution of a PNG, dots per inch [default: 300]
     #[arg(long, value_name = "DPI", allow_negative_numbers = true)]
     dpi: Option<f64>,
     /// Print to write: .pdf, .svg or .png
