@@ -14,5 +14,7 @@ pub mod stereo;
 pub mod target;
 
 pub use board::{Board, BoardSize, BoardSizeError, Corner, View};
-pub use calibration::{BoardPose, Calibration, CornerFit, ModelScore, Parameter, Rejection, ViewFit};
+pub use calibration::{
+    BoardPose, Calibration, CornerFit, ModelScore, Parameter, Rejection, ViewFit,
+};
 pub use dictionary::{Dictionary, DictionaryError};

@@ -28,6 +28,8 @@ const LEAST_CONTRAST: f64 = 2.5;
 const MOST_RESIDUAL_SHARE: f64 = 0.42;
 /// Both bright squares are brighter than both dark ones by this much, beside the contrast.
 const LEAST_SEPARATION: f64 = 0.4;
+/// The same beside the neighbours': lower where something hides a part of a square.
+const SEPARATION_SHARE: f64 = 0.65;
 /// Standard error of a corner that is still sure, px.
 const MOST_SIGMA_PX: f64 = 0.5;
 
@@ -40,6 +42,7 @@ pub(super) fn complete(plane: &Plane, candidates: &[Candidate], grid: &Grid) -> 
     }
     let mut tried = BTreeMap::new();
     while extend(plane, candidates, &mut lattice, &mut tried) {}
+    lattice.keep_squares();
     lattice
 }
 
@@ -172,16 +175,11 @@ fn fit_expected(
     from: [f64; 2],
     most_radius_px: f64,
 ) -> Option<Fit> {
-    let radius = (0.9 * expected.clearance_px() - 1.0)
-        .min(most_radius_px)
-        .max(LEAST_RADIUS_PX);
+    let clear = (0.9 * expected.clearance_px() - 1.0).min(most_radius_px);
     let start = Saddle::start(from, expected.edges_rad(), expected.blur_px);
-    let fit = fit(plane, &start, radius)?;
+    let fit = fit(plane, &start, clear.max(LEAST_RADIUS_PX))?;
     let saddle = &fit.saddle;
-    let off = libm::hypot(
-        saddle.at[0] - expected.at[0],
-        saddle.at[1] - expected.at[1],
-    );
+    let off = libm::hypot(saddle.at[0] - expected.at[0], saddle.at[1] - expected.at[1]);
     let turned = (0..2)
         .map(|k| turn_between(saddle.edges_rad[k], expected.edges_rad()[k]))
         .fold(0.0, f64::max);
@@ -189,8 +187,15 @@ fn fit_expected(
         && off < MOST_OFF * expected.spacing_px()
         && turned < MOST_TURN
         && saddle.contrast * expected.contrast > 0.0
-        && saddle.contrast.abs() > LEAST_CONTRAST_SHARE * expected.contrast.abs();
+        && saddle.contrast.abs() > LEAST_CONTRAST_SHARE * expected.contrast.abs()
+        && fit.separation > SEPARATION_SHARE * expected.separation
+        && fit.residual < most_residual_share(expected) * saddle.contrast.abs();
     sure.then_some(fit)
+}
+
+/// A window in which something hides a part of a square is explained worse than its neighbours.
+fn most_residual_share(expected: &Expected) -> f64 {
+    (4.0 * expected.residual_share).max(0.2)
 }
 
 /// Whether two edges cross there at all.

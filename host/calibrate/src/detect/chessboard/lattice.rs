@@ -24,6 +24,10 @@ pub(super) struct Expected {
     pub contrast: f64,
     /// Median blur of the neighbours, sigma in px.
     pub blur_px: f64,
+    /// Median of what the model leaves of the picture at the neighbours, beside their contrast.
+    pub residual_share: f64,
+    /// Median of the neighbours' [`Fit::separation`].
+    pub separation: f64,
 }
 
 impl Expected {
@@ -36,7 +40,9 @@ impl Expected {
     pub fn clearance_px(&self) -> f64 {
         let [u, v] = self.steps;
         let area = (u[0] * v[1] - u[1] * v[0]).abs();
-        area / libm::hypot(u[0], u[1]).max(libm::hypot(v[0], v[1])).max(1e-9)
+        area / libm::hypot(u[0], u[1])
+            .max(libm::hypot(v[0], v[1]))
+            .max(1e-9)
     }
 
     /// The shorter step, px.
@@ -50,14 +56,35 @@ impl Expected {
 
 /// +1 and -1 by turns.
 pub(super) fn parity((i, j): Label) -> f64 {
-    if (i + j).rem_euclid(2) == 0 { 1.0 } else { -1.0 }
+    if (i + j).rem_euclid(2) == 0 {
+        1.0
+    } else {
+        -1.0
+    }
 }
 
 impl Lattice {
     /// Known corners among the eight around a label.
     pub fn neighbours(&self, (i, j): Label) -> usize {
         let around = self.nodes.range((i - 1, i32::MIN)..=(i + 1, i32::MAX));
-        around.filter(|((u, v), _)| (u - i).abs() <= 1 && (v - j).abs() <= 1).count()
+        around
+            .filter(|((u, v), _)| (u - i).abs() <= 1 && (v - j).abs() <= 1)
+            .count()
+    }
+
+    /// Drops what is no corner of a whole square: one that hangs on by a single side may be
+    /// anything near the board.
+    pub fn keep_squares(&mut self) {
+        let known = |i, j| self.nodes.contains_key(&(i, j));
+        let square =
+            |i, j| known(i, j) && known(i + 1, j) && known(i, j + 1) && known(i + 1, j + 1);
+        let kept: BTreeMap<_, _> = self
+            .nodes
+            .iter()
+            .filter(|((i, j), _)| (0..4).any(|k| square(i - k % 2, j - k / 2)))
+            .map(|(label, fit)| (*label, *fit))
+            .collect();
+        self.nodes = kept;
     }
 
     /// A quadratic in the labels through the neighbours of `label`, and itself if it is known;
@@ -71,6 +98,8 @@ impl Lattice {
         let mut right = SMatrix::<f64, 6, 2>::zeros();
         let mut contrasts = Vec::new();
         let mut blurs = Vec::new();
+        let mut shares = Vec::new();
+        let mut separations = Vec::new();
         for dj in -REACH..=REACH {
             for di in -REACH..=REACH {
                 let place = (label.0 + di, label.1 + dj);
@@ -85,6 +114,8 @@ impl Lattice {
                 right.set_column(1, &(right.column(1) + weight * fit.saddle.at[1] * terms));
                 contrasts.push(fit.saddle.contrast * parity(place));
                 blurs.extend(fit.saddle.blurs_px());
+                separations.push(fit.separation);
+                shares.push(fit.residual / fit.saddle.contrast.abs());
             }
         }
         // Place and both steps must be told by the data, not by the pull.
@@ -102,6 +133,8 @@ impl Lattice {
             steps: [of(1), of(2)],
             contrast: median(&mut contrasts)? * parity(label),
             blur_px: median(&mut blurs)?,
+            residual_share: median(&mut shares)?,
+            separation: median(&mut separations)?,
         })
     }
 }

@@ -12,7 +12,8 @@ const MOST_CONTRAST_RATIO: f64 = 4.0;
 /// For each candidate and each of its rays the neighbour: (candidate, its ray that looks back).
 pub(super) type Links = Vec<[Option<(usize, usize)>; 4]>;
 
-/// Links that both ends agree on.
+/// Links that both ends agree on, and that are sides of a whole square of links: a stray candidate on
+/// the rim of whatever hides a part of the board closes none.
 pub(super) fn links(levels: &[Plane], candidates: &[Candidate]) -> Links {
     let one_way: Links = (0..candidates.len())
         .map(|a| {
@@ -26,7 +27,29 @@ pub(super) fn links(levels: &[Plane], candidates: &[Candidate]) -> Links {
             *link = link.filter(|(b, back)| one_way[*b][*back] == Some((a, ray)));
         }
     }
-    both_ways
+    let mut squared = both_ways.clone();
+    for (a, rays) in squared.iter_mut().enumerate() {
+        for (ray, link) in rays.iter_mut().enumerate() {
+            *link = link.filter(|_| {
+                [1, 3]
+                    .iter()
+                    .any(|turn| closes(&both_ways, (a, ray), *turn))
+            });
+        }
+    }
+    squared
+}
+
+/// Whether four links, turning the same way at each corner, come back to where they began.
+fn closes(links: &Links, start: (usize, usize), turn: usize) -> bool {
+    let mut at = start;
+    for _ in 0..4 {
+        let Some((next, back)) = links[at.0][at.1] else {
+            return false;
+        };
+        at = (next, (back + turn) % 4);
+    }
+    at == start
 }
 
 fn by_distance(candidates: &[Candidate], a: usize) -> Vec<(f64, usize)> {

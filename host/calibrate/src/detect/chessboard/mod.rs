@@ -61,13 +61,14 @@ pub fn detect(picture: &GrayImage, board: BoardSize) -> Result<View, BoardMissin
             let window = placed::window(&lattice, board);
             (lattice, window)
         })
-        .max_by_key(|(lattice, window)| {
-            let held = lattice.nodes.keys().filter(|label| window.holds(**label));
-            (held.count(), std::cmp::Reverse(lattice.nodes.len()))
-        })
+        // The largest in the picture: a monitor may show the board once more.
+        .max_by(|(a, in_a), (b, in_b)| a.area_px(in_a).total_cmp(&b.area_px(in_b)))
         .ok_or(BoardMissing::Nothing)?;
     if let Some(seen) = placed::larger_board(&lattice, &window) {
-        return Err(BoardMissing::OtherSize { seen, wanted: board });
+        return Err(BoardMissing::OtherSize {
+            seen,
+            wanted: board,
+        });
     }
     lattice.nodes.retain(|label, _| window.holds(*label));
     complete::finish(&levels[0], &mut lattice);

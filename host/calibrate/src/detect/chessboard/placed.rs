@@ -41,14 +41,26 @@ impl Window {
 pub(super) fn window(lattice: &Lattice, board: BoardSize) -> Window {
     let ((u0, v0), [across, down]) = span(lattice);
     let [columns, rows] = [board.columns, board.rows].map(i32::from);
-    let mut best = ((0, 0.0), Window { first: (u0, v0), counts: [columns, rows] });
+    let mut best = (
+        (0, 0.0),
+        Window {
+            first: (u0, v0),
+            counts: [columns, rows],
+        },
+    );
     for counts in [[columns, rows], [rows, columns]] {
         // A board that is larger than what is seen begins where that begins, or earlier.
         let starts = |from: i32, seen: i32, count: i32| from..=from + (seen - count).max(0);
         for u in starts(u0, across, counts[0]) {
             for v in starts(v0, down, counts[1]) {
-                let window = Window { first: (u, v), counts };
-                let held = lattice.nodes.iter().filter(|(label, _)| window.holds(**label));
+                let window = Window {
+                    first: (u, v),
+                    counts,
+                };
+                let held = lattice
+                    .nodes
+                    .iter()
+                    .filter(|(label, _)| window.holds(**label));
                 let score = held.fold((0, 0.0), |(n, sum), (_, fit)| {
                     (n + 1, sum + fit.saddle.contrast.abs())
                 });
@@ -59,6 +71,16 @@ pub(super) fn window(lattice: &Lattice, board: BoardSize) -> Window {
         }
     }
     best.1
+}
+
+impl Lattice {
+    /// Area of the picture that the squares in the window take, about, px^2.
+    pub fn area_px(&self, window: &Window) -> f64 {
+        let held = self.nodes.keys().filter(|label| window.holds(**label));
+        held.filter_map(|label| self.expect(*label))
+            .map(|expected| expected.spacing_px() * expected.clearance_px())
+            .sum()
+    }
 }
 
 /// The size of the board that is really there, if full lines of corners lie outside the window.
@@ -88,7 +110,11 @@ pub(super) fn larger_board(lattice: &Lattice, window: &Window) -> Option<BoardSi
 /// lattice's own labels, right-handed in the picture. Of the ways round that fit, one with a black
 /// square diagonally outside corner (0, 0); where that does not decide, the one whose columns run to
 /// the right, its rows down.
-pub(super) fn on_board(lattice: &Lattice, window: &Window, board: BoardSize) -> Vec<(Label, Label)> {
+pub(super) fn on_board(
+    lattice: &Lattice,
+    window: &Window,
+    board: BoardSize,
+) -> Vec<(Label, Label)> {
     let (u0, v0) = window.first;
     let [across, down] = window.counts;
     let [columns, rows] = [board.columns, board.rows].map(i32::from);
@@ -108,7 +134,7 @@ pub(super) fn on_board(lattice: &Lattice, window: &Window, board: BoardSize) -> 
         for (label, fit) in &lattice.nodes {
             let at = turned(*label, turns);
             // A dark square between +u and +v is one between +i and +j, or between -i and +j.
-            let odd_turn = if turns % 2 == 0 { 1.0 } else { -1.0 };
+            let odd_turn = if turns.is_multiple_of(2) { 1.0 } else { -1.0 };
             if fit.saddle.contrast * odd_turn * parity(at) > 0.0 {
                 black += 1;
             } else {
@@ -119,8 +145,17 @@ pub(super) fn on_board(lattice: &Lattice, window: &Window, board: BoardSize) -> 
         }
         (black.signum(), ahead)
     };
-    let fits = |turns: &u8| (if turns % 2 == 0 { across } else { down }) == columns;
-    let mut ways: Vec<_> = (0..4).filter(fits).map(|turns| (score(turns), turns)).collect();
+    let fits = |turns: &u8| {
+        (if turns.is_multiple_of(2) {
+            across
+        } else {
+            down
+        }) == columns
+    };
+    let mut ways: Vec<_> = (0..4)
+        .filter(fits)
+        .map(|turns| (score(turns), turns))
+        .collect();
     ways.sort_by(|a, b| b.0.0.cmp(&a.0.0).then(b.0.1.total_cmp(&a.0.1)));
     let turns = ways.first().map_or(0, |(_, turns)| *turns);
     lattice

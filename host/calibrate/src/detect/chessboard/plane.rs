@@ -48,9 +48,7 @@ impl Plane {
             return None;
         }
         let (fx, fy) = (x - column as f64, y - row as f64);
-        let at = |dx: usize, dy: usize| {
-            f64::from(self.data[(row + dy) * self.width + column + dx])
-        };
+        let at = |dx: usize, dy: usize| f64::from(self.data[(row + dy) * self.width + column + dx]);
         let top = at(0, 0) + fx * (at(1, 0) - at(0, 0));
         let bottom = at(0, 1) + fx * (at(1, 1) - at(0, 1));
         Some(top + fy * (bottom - top))

@@ -61,10 +61,8 @@ fn ring(plane: &Plane, at: [f64; 2], radius: f64) -> Option<([Ray; 4], f64)> {
     }
     let sector = |k: usize| (rays[(k + 1) % 4].angle_rad - rays[k].angle_rad).rem_euclid(TAU);
     let opposite = |k: usize| (rays[k + 2].angle_rad - rays[k].angle_rad - PI).abs() < MOST_BEND;
-    let sound = count == 4
-        && (0..4).all(|k| sector(k) > LEAST_SECTOR)
-        && opposite(0)
-        && opposite(1);
+    let sound =
+        count == 4 && (0..4).all(|k| sector(k) > LEAST_SECTOR) && opposite(0) && opposite(1);
     sound.then_some((rays, contrast))
 }
 

@@ -17,7 +17,6 @@ const STEPS: usize = 30;
 /// Grey levels of noise against which the weak priors are weighed.
 const NOISE: f64 = 6.0;
 
-
 /// A corner's model.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Saddle {
@@ -136,8 +135,7 @@ impl Saddle {
         let product = step[0] * step[1];
         let lifted = 1.0 - product * product;
         let toned = product + self.tone * lifted;
-        let value =
-            self.ground + self.tilt[0] * q[0] + self.tilt[1] * q[1] + self.contrast * toned;
+        let value = self.ground + self.tilt[0] * q[0] + self.tilt[1] * q[1] + self.contrast * toned;
         let by_product = self.contrast * (1.0 - 2.0 * self.tone * product);
         let by_d = [
             by_product * slope[0] * step[1],
@@ -298,10 +296,11 @@ fn with_levels(start: &Saddle, window: &Window) -> Saddle {
     let mut sums = [0.0; 4];
     for (place, value, weight) in &window.pixels {
         let q = [place[0] - saddle.at[0], place[1] - saddle.at[1]];
-        let crossing = saddle.evaluate(q, &frames).0 - saddle.tilt[0] * q[0] - saddle.tilt[1] * q[1];
-        for (sum, term) in sums
-            .iter_mut()
-            .zip([crossing, *value, crossing * crossing, crossing * value])
+        let crossing =
+            saddle.evaluate(q, &frames).0 - saddle.tilt[0] * q[0] - saddle.tilt[1] * q[1];
+        for (sum, term) in
+            sums.iter_mut()
+                .zip([crossing, *value, crossing * crossing, crossing * value])
         {
             *sum += weight * term;
         }
