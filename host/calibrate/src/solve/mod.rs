@@ -5,6 +5,7 @@
 //! views that took no part in the fit.
 
 mod angular;
+mod board_pose;
 mod bundle;
 mod check;
 mod choice;
@@ -23,6 +24,7 @@ use rayon::prelude::*;
 
 use crate::{Board, Calibration, View};
 pub use angular::AngularUncertainty;
+pub use board_pose::board_pose;
 use choice::Candidate;
 pub use error::CalibrateError;
 use fit::{Fit, MIN_CORNERS, Part};

@@ -9,6 +9,8 @@ mod placed;
 mod plane;
 mod ring;
 mod saddle;
+#[cfg(test)]
+mod tests;
 
 use image::GrayImage;
 

@@ -113,7 +113,10 @@ fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> String {
         mount.rest_rad.to_degrees(),
         both.baseline_mm(),
         <[f64; 3]>::from(both.position_standard_error_mm),
-        args.output.file_stem().unwrap_or_default().to_string_lossy(),
+        args.output
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy(),
         Medium::from(args.medium),
     );
     let places = [("left", -half), ("right", half)];

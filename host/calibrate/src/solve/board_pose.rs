@@ -1,0 +1,36 @@
+//! Where a board is, seen by a calibrated camera.
+
+use super::bundle;
+use super::fit::loss;
+use super::lens::from_camera;
+use super::pose;
+use super::sight::Sight;
+use crate::{Board, BoardPose, Calibration, View};
+
+/// Steps of the refinement, at most.
+const STEPS: usize = 50;
+
+/// Pose of a board in a view, the camera fixed, and each corner's residual (seen minus computed
+/// `[x, y]`, px) in the view's order: least squares over **all** corners, outliers included, which
+/// is how held-out views are judged. `None` if fewer than 4 corners are seen, or no pose explains
+/// them at all.
+pub fn board_pose(
+    calibration: &Calibration,
+    board: &Board,
+    view: &View,
+) -> Option<(BoardPose, Vec<[f64; 2]>)> {
+    let parameters = calibration.parameters.iter();
+    let names: Vec<_> = parameters.map(|parameter| &*parameter.name).collect();
+    let (lens, p) = from_camera(&calibration.model, &names)?;
+    let sight = Sight::new(view);
+    if sight.count() < 4 {
+        return None;
+    }
+    // So wide a bound on residuals that none is an outlier.
+    let plain = loss(f64::INFINITY);
+    let (pose, _) = pose::find(&*lens, &p, &sight, plain, STEPS)?;
+    let residuals = bundle::residuals(&*lens, &p, &pose, &sight);
+    let residuals: Vec<_> = residuals.iter().map(|r| [-r.x, -r.y]).collect();
+    let finite = residuals.iter().flatten().all(|r| r.is_finite());
+    finite.then(|| (pose.to_board(&sight, board.square_mm), residuals))
+}
