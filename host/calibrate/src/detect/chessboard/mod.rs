@@ -18,6 +18,8 @@ use crate::board::{BoardSize, Corner, View};
 
 /// Fewest corners that are a view of a board.
 const LEAST_CORNERS: usize = 9;
+/// Three corners and the squares around them need more, px.
+const LEAST_PICTURE_PX: u32 = 24;
 /// Levels of the pyramid have at least this many rows and columns, px.
 const LEAST_LEVEL_PX: usize = 60;
 /// The largest grids of candidates are tried, this many.
@@ -49,6 +51,9 @@ pub enum BoardMissing {
 /// # Errors
 /// [`BoardMissing`] if there is no board, or one of another size.
 pub fn detect(picture: &GrayImage, board: BoardSize) -> Result<View, BoardMissing> {
+    if picture.width().min(picture.height()) < LEAST_PICTURE_PX {
+        return Err(BoardMissing::Nothing);
+    }
     let levels = plane::pyramid(picture, LEAST_LEVEL_PX);
     let candidates = candidates::candidates(&levels);
     let links = links::links(&levels, &candidates);

@@ -43,7 +43,8 @@ fn a_crossing_is_found_where_it_is() {
         // The picture is the model itself: only f32 pixels and the weak priors are left.
         assert!(off[0] < 2e-3 && off[1] < 2e-3, "{off:?}");
         assert!((fit.saddle.contrast - 80.0).abs() < 2.0);
-        assert!(fit.separation > 0.9);
+        // Blur takes more from a narrow sector.
+        assert!(fit.separation > 0.7);
     }
 }
 
