@@ -72,7 +72,7 @@ fn first_fits(plane: &Plane, candidates: &[Candidate], grid: &Grid) -> Lattice {
             .map(|[x, y]| libm::hypot(x - candidate.at[0], y - candidate.at[1]))
             .fold(f64::INFINITY, f64::min);
         let edges = [0, 1].map(|k| candidate.rays[(u_ray + k) % 4].angle_rad);
-        let blur_px = 1.0 * f64::from(1u32 << candidate.level);
+        let blur_px = f64::from(1u32 << candidate.level);
         let radius = (0.5 * nearest).clamp(LEAST_RADIUS_PX, COARSE_RADIUS_PX);
         let start = Saddle::start(candidate.at, edges, blur_px);
         if let Some(fit) = fit(plane, &start, radius)
