@@ -33,7 +33,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_whole(path, bytes).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
-/// Refuses early what [`write`] would refuse after long work. Makes the folder.
+/// Refuses early what [`write()`] would refuse after long work. Makes the folder.
 pub fn check_writable(path: &Path) -> anyhow::Result<()> {
     let place = new_file(path).with_context(|| format!("{}: cannot be written", path.display()));
     place.map(drop)

@@ -44,12 +44,11 @@ mod tests {
 
     #[test]
     fn what_a_program_reads() {
-        let text = r#"{"targets": [{
-            "kind": "overlap",
+        let text = r#"{"targets": [{"overlap": {
             "board": {"size": {"columns": 8, "rows": 6}, "square_mm": 20.0},
             "dictionary": "DICT_4X4_50", "id": 7,
             "marker_side_mm": 80.0, "marker_origin_mm": [-114.0, 10.0]
-        }, {"kind": "marker", "dictionary": "DICT_4X4_50", "id": 3, "side_mm": 30.5}]}"#;
+        }}, {"marker": {"dictionary": "DICT_4X4_50", "id": 3, "side_mm": 30.5}}]}"#;
         let file = TargetFile::from_json(text).unwrap();
         assert_eq!(file.targets.len(), 2);
         let again = TargetFile::from_json(&file.to_json().unwrap()).unwrap();

@@ -41,7 +41,9 @@ pub const MARKER_MM: std::ops::RangeInclusive<f64> = 5.0..=2000.0;
 
 /// What is printed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+// The kind is the key: a tag among the fields cannot be read where another crate of the build
+// turns on serde_json's `arbitrary_precision`.
+#[serde(rename_all = "snake_case")]
 pub enum Target {
     /// A chessboard, its top left square black.
     Chessboard(Board),
