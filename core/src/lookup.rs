@@ -58,7 +58,10 @@ impl<'t> Lookup<'t> {
         let centre = rays.centre_q16().map(|c| c as f32 / 65536.0);
         let [dx, dy] = [0, 1].map(|i| pixel_q8[i] as f32 / 256.0 - centre[i]);
         let [a, b, c, d] = rays.affine_q28().map(|v| v as f32 / (1u32 << 28) as f32);
-        let ideal = [a * dx + b * dy, c * dx + d * dy];
+        let shifted = [a * dx + b * dy, c * dx + d * dy];
+        let ideal = rays
+            .decentring_q44()
+            .map_or(shifted, |t| centred(t, shifted));
         let ray = camera_ray(rays, ideal)?;
         let ray = rotate(q30(rays.rotation_q30()), ray);
         let eye_at = q30(rays.position_q30());
@@ -77,6 +80,22 @@ impl<'t> Lookup<'t> {
         let inside = |p: i32, side: u16| (-128..i32::from(side) * 256 - 128).contains(&p);
         inside(pixel_q8[0], size[0]) && inside(pixel_q8[1], size[1])
     }
+}
+
+/// The offset that decentring moves to `shifted`. A lens shifts by a pixel or a few and by a
+/// hundredth of that more a pixel further on: three rounds leave less than f32 holds.
+fn centred(t_q44: [i32; 2], shifted: [f32; 2]) -> [f32; 2] {
+    let [t1, t2] = t_q44.map(|t| t as f32 / (1u64 << 44) as f32);
+    let mut ideal = shifted;
+    for _ in 0..3 {
+        let [x, y] = ideal;
+        let (square, product) = (x * x + y * y, 2.0 * x * y);
+        ideal = [
+            shifted[0] - (t1 * product + t2 * (square + 2.0 * x * x)),
+            shifted[1] - (t1 * (square + 2.0 * y * y) + t2 * product),
+        ];
+    }
+    ideal
 }
 
 /// Unit ray in the camera frame (x right, y down, z forward) at an offset from the optical axis.

@@ -118,6 +118,8 @@ pub struct EyeRaysData {
     pub radius_q16: u32,
     /// Angle off the axis at equally spaced nodes from 0, rad in Q14.
     pub angles_q14: Vec<u16>,
+    /// Decentring `[t1, t2]`, 1/px in Q44.
+    pub decentring_q44: Option<[i32; 2]>,
 }
 
 /// A table to be written. Build it up, then call [`TableBuilder::to_bytes`].
@@ -266,9 +268,11 @@ fn rays_bytes(rays: &EyeRaysData) -> Vec<u8> {
         position_q30: rays.position_q30.map(I32::new),
         radius_q16: U32::new(rays.radius_q16),
         node_count: U16::new(rays.angles_q14.len() as u16),
-        reserved: U16::new(0),
+        flags: U16::new(u16::from(rays.decentring_q44.is_some())),
     };
     let mut bytes = header.as_bytes().to_vec();
     bytes.extend(rays.angles_q14.iter().flat_map(|a| a.to_le_bytes()));
+    let decentring = rays.decentring_q44.iter().flatten();
+    bytes.extend(decentring.flat_map(|t| t.to_le_bytes()));
     bytes
 }

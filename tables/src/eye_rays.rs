@@ -1,7 +1,7 @@
 //! Which direction a pixel of the raw eye looks in.
 
 use zerocopy::FromBytes;
-use zerocopy::little_endian::U16;
+use zerocopy::little_endian::{I32, U16};
 
 use crate::error::{TableError, Tag};
 use crate::layout::{Eye, EyeRaysHeader};
@@ -12,28 +12,42 @@ const NODES: core::ops::RangeInclusive<u16> = 4..=257;
 /// View of the section that ties raw pixels of one eye to directions in the body frame.
 ///
 /// A pixel p goes through the affine map `A (p - centre)` to an offset of length rho from the
-/// optical axis; its angle off the axis is a curve over rho, given at equally spaced nodes from 0
+/// optical axis, less what decentring adds; its angle off the axis is a curve over rho, given at equally spaced nodes from 0
 /// to [`EyeRays::radius_q16`]; the ray is then turned into the body frame.
 #[derive(Debug, Clone, Copy)]
 pub struct EyeRays<'a> {
     header: &'a EyeRaysHeader,
     angles: &'a [U16],
+    decentring: Option<&'a [I32; 2]>,
 }
+
+/// Flag of a decentred lens.
+const DECENTRED: u16 = 1;
 
 impl<'a> EyeRays<'a> {
     pub(crate) fn parse(bytes: &'a [u8], eye: Eye) -> Result<Self, TableError> {
         let tag = Tag::rays(eye);
         let (header, rest) =
             EyeRaysHeader::ref_from_prefix(bytes).map_err(|_| TableError::SectionBounds { tag })?;
-        let angles =
+        let (angles, rest) =
             <[U16]>::ref_from_prefix_with_elems(rest, usize::from(header.node_count.get()))
-                .map_err(|_| TableError::SectionBounds { tag })?
-                .0;
+                .map_err(|_| TableError::SectionBounds { tag })?;
+        let decentring = match header.flags.get() {
+            DECENTRED => {
+                let both = <[I32; 2]>::ref_from_prefix(rest);
+                Some(both.map_err(|_| TableError::SectionBounds { tag })?.0)
+            }
+            _ => None,
+        };
         let sound = NODES.contains(&header.node_count.get())
-            && header.reserved.get() == 0
+            && header.flags.get() <= DECENTRED
             && header.radius_q16.get() > 0;
         if sound {
-            Ok(Self { header, angles })
+            Ok(Self {
+                header,
+                angles,
+                decentring,
+            })
         } else {
             Err(TableError::Field { tag })
         }
@@ -80,6 +94,11 @@ impl<'a> EyeRays<'a> {
         } else {
             node(i)
         }
+    }
+
+    /// Decentring `[t1, t2]` of the lens, 1/px in Q44; `None` for one on its axis.
+    pub fn decentring_q44(&self) -> Option<[i32; 2]> {
+        self.decentring.map(|both| both.map(|v| v.get()))
     }
 
     /// Number of nodes.

@@ -113,5 +113,5 @@ pub struct EyeRaysHeader {
     pub position_q30: [I32; 3],
     pub radius_q16: U32,
     pub node_count: U16,
-    pub reserved: U16,
+    pub flags: U16,
 }

@@ -43,12 +43,12 @@ const fn set(
 const SETS: [Set; 10] = [
     set("ocam-fisheye1/images", "8x6", 15, 0.415, "0.404 on 15"),
     set("ocam-ladybug/images", "8x5", 9, 0.403, "0.396 on 9"),
-    set("ocam-vmr/images", "7x6", 10, 0.353, "0.336 on 10"),
+    set("ocam-vmr/images", "7x6", 10, 0.341, "0.336 on 10"),
     set(
         "stereo-fisheye-opencv/left",
         "8x6",
         34,
-        0.262,
+        0.249,
         "0.242 on 34",
     ),
     set(
@@ -62,17 +62,17 @@ const SETS: [Set; 10] = [
         "camodocal-car-fisheye/images",
         "9x6",
         30,
-        9.0,
+        0.374,
         "0.258 on 12",
     ),
     set("gopro-derlunz/images", "15x9", 11, 0.259, "0.253 on 10"),
     set("svs-fisheye-dyfcalid/board", "7x6", 10, 0.287, "0.278 on 9"),
-    set("t265-air-underwater/air", "7x5", 24, 0.164, "0.453 on 24"),
+    set("t265-air-underwater/air", "7x5", 24, 0.169, "0.453 on 24"),
     set(
         "t265-air-underwater/underwater",
         "7x5",
         20,
-        9.0,
+        0.172,
         "0.254 on 20",
     ),
 ];

@@ -1,7 +1,7 @@
 //! Raw eye pixel to direction, as a small curve for the core.
 
 use nalgebra::{Matrix2, Rotation3, Vector2, Vector3};
-use tectum_optics::RigEye;
+use tectum_optics::{CameraModel, RigEye};
 use tectum_tables::builder::EyeRaysData;
 
 /// Nodes of the angle curve. With 65 the cubic's error is far below the 0.0035 degrees of a node's
@@ -14,7 +14,14 @@ const STEP_RAD: f64 = 1e-4;
 /// The ray section of an eye at a stitch distance; `None` if its numbers do not fit the section
 /// (a lens whose affine part cannot be inverted there).
 pub fn eye_rays(eye: &RigEye, stitch_distance_m: f64) -> Option<EyeRaysData> {
-    let model = &eye.eye.model;
+    // Decentring is kept apart; it moves nothing at the centre.
+    let (model, decentring) = match &eye.eye.model {
+        CameraModel::Ocam(lens) => {
+            let centred = CameraModel::Ocam(lens.without_decentring());
+            (centred, lens.decentring_per_px())
+        }
+        other => (other.clone(), [0.0; 2]),
+    };
     let centre = Vector2::from(model.project(&Vector3::z()).ok()?);
     let derivative = |axis: Vector3<f64>| {
         let ahead = model
@@ -28,6 +35,14 @@ pub fn eye_rays(eye: &RigEye, stitch_distance_m: f64) -> Option<EyeRaysData> {
     let jacobian = Matrix2::from_columns(&[derivative(Vector3::x())?, derivative(Vector3::y())?]);
     // Pixels of the ideal image: the affine part keeps areas.
     let affine = jacobian / jacobian.determinant().abs().sqrt();
+    // The model's own ideal pixels are smaller by the square root of its affine map's area.
+    let scale = match &model {
+        CameraModel::Ocam(lens) => {
+            let [c, d, e] = lens.affine;
+            (c - d * e).abs().sqrt()
+        }
+        _ => 1.0,
+    };
     let to_ideal = affine.try_inverse()?;
 
     // The lens is symmetric about its axis once the affine part is gone: any azimuth will do.
@@ -58,6 +73,10 @@ pub fn eye_rays(eye: &RigEye, stitch_distance_m: f64) -> Option<EyeRaysData> {
         rotation_q30: rotation_q30(&eye.pose.rotation),
         position_q30: all((eye.pose.position_m / stitch_distance_m).data.0[0].map(|v| q(v, 30)))?,
         radius_q16: u32::try_from(quantise(radius, 16)?).ok()?,
+        decentring_q44: match decentring {
+            [0.0, 0.0] => None,
+            [t1, t2] => Some(all([q(t1 / scale, 44), q(t2 / scale, 44)])?),
+        },
         angles_q14: (0..NODES).map(angle).collect::<Option<_>>()?,
     })
 }

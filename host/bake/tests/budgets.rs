@@ -143,8 +143,24 @@ fn output_pixels_are_looked_up_within_the_limit_in_every_projection() {
 
 #[test]
 fn raw_eye_pixels_are_looked_up_within_the_limit() {
-    let rig = fish(480);
-    let baked = baked(&rig, equirect([640, 320]), 0.05).unwrap();
+    raw_pixels_are_right(&fish(480));
+}
+
+#[test]
+fn raw_pixels_of_a_decentred_skewed_lens_are_looked_up_within_the_limit() {
+    // Half a pixel of decentring at the rim.
+    let eye = "size_px = [480, 480]\nfield_deg = 208.0\nlens = { model = 'ocam', \
+               direct = [-130.0, 0.0, 2.56e-3, 0.0, 1.0e-8], centre_row_column = [241.0, 238.5], \
+               affine = [1.002, 0.001, -0.002], decentring_per_px = [3e-6, -2e-6] }\n";
+    let text = format!(
+        "name = 'decentred'\nmedium = 'water'\nstitch_distance_m = 2.0\n[mount]\n\
+         psi_deg = 25.7\ntau_deg = 29.15\nlateral_mm = 30.0\n[left]\n{eye}[right]\n{eye}"
+    );
+    raw_pixels_are_right(&Rig::from_toml(&text, "decentred").expect("a sound rig"));
+}
+
+fn raw_pixels_are_right(rig: &Rig) {
+    let baked = baked(rig, equirect([640, 320]), 0.05).unwrap();
     let tables = Tables::parse(&baked.bytes).unwrap();
     let lookup = Lookup::new(&tables);
     let mut worst: f64 = 0.0;

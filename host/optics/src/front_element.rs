@@ -201,12 +201,19 @@ impl FrontElement {
             .map_err(|_| FrontElementError::Model { claimed_deg })?;
         let rays = self.rays(&air.model, claimed_rad, limit_rad)?;
         let (centre_px, affine) = (air.model.principal_point_px(), affine(&air.model));
+        let decentring = match &air.model {
+            CameraModel::Ocam(lens) => lens.decentring_per_px(),
+            _ => [0.0; 2],
+        };
         let mut best: Option<InWater> = None;
         for degree in 3..=MAX_DEGREE {
             let Some(lens) = fitted(&rays, degree, centre_px, affine) else {
                 continue;
             };
             let misfit_rad = misfit_rad(&rays, &lens);
+            let Ok(lens) = lens.with_decentring(decentring) else {
+                continue;
+            };
             if best.as_ref().is_none_or(|b| misfit_rad < b.misfit_rad) {
                 best = Some(InWater {
                     eye: Eye {
@@ -301,6 +308,7 @@ fn affine(model: &CameraModel) -> [f64; 3] {
 fn without_affine(model: &CameraModel) -> CameraModel {
     let mut model = model.clone();
     if let CameraModel::Ocam(lens) = &mut model {
+        *lens = lens.without_decentring();
         lens.affine = [1.0, 0.0, 0.0];
     }
     model

@@ -5,7 +5,7 @@ use tectum_optics::CameraModel;
 
 use super::bundle::{self, Bundle, refine_pose};
 use super::fit::{Fit, square_sum};
-use super::lens::{Lens, OcamLens};
+use super::lens::{Kind, Lens, OcamLens};
 use super::sight::{Pose, Sight};
 use super::{Model, Options};
 
@@ -104,37 +104,57 @@ impl Candidate<'_> {
     }
 }
 
-/// A polynomial whose RMS over the views it is fitted to exceeds that of the best one, with skew or
-/// without as itself, by this factor is too stiff: on the hundreds of corners of even a few views
+/// A polynomial whose RMS over the views it is fitted to exceeds that of the best one of its sort by
+/// this factor is too stiff: on the hundreds of corners of even a few views
 /// the excess is no chance, while the few held-out views may tell it badly.
 const STIFF: f64 = 1.03;
 
+/// Families fitted to all views and judged on held-out ones.
+pub fn judged<'a>(
+    families: &'a [Box<dyn Lens>],
+    base_lens: &OcamLens,
+    base: &Fit,
+    size_px: [u32; 2],
+    options: &Options,
+) -> Vec<Candidate<'a>> {
+    let fitted = families
+        .par_iter()
+        .map(|family| Candidate::new(family.as_ref(), base_lens, base, size_px, options));
+    let mut candidates: Vec<Candidate<'_>> = fitted.collect();
+    hold_out(&mut candidates);
+    candidates
+}
+
 /// Judges the candidates on held-out views, side by side; polynomials that are too stiff are out.
-pub fn hold_out(candidates: &mut [Candidate<'_>]) {
+fn hold_out(candidates: &mut [Candidate<'_>]) {
     let rms = |c: &Candidate<'_>| match (&c.fit, &c.camera) {
         (Some(fit), Ok(CameraModel::Ocam(_))) => fit.rms_px(c.lens),
         _ => f64::INFINITY,
     };
-    let best = [false, true].map(|skewed| {
-        let alike = candidates.iter().filter(|c| c.lens.is_skewed() == skewed);
-        alike.map(rms).fold(f64::INFINITY, f64::min)
-    });
-    candidates.par_iter_mut().for_each(|candidate| {
-        let (rms, best) = (
-            rms(candidate),
-            best[usize::from(candidate.lens.is_skewed())],
-        );
-        if rms.is_finite() && rms > STIFF * best {
-            candidate.camera = Err(format!("too stiff: {best:.3} px RMS can be had"));
-        }
-        let fit = candidate.fit.as_ref();
-        candidate.held_out = fit.and_then(|fit| held_out(candidate.lens, fit));
-    });
+    let best: Vec<f64> = candidates
+        .iter()
+        .map(|candidate| {
+            let kind = candidate.lens.kind();
+            let alike = candidates.iter().filter(|c| c.lens.kind() == kind);
+            alike.map(rms).fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    candidates
+        .par_iter_mut()
+        .zip(best)
+        .for_each(|(candidate, best)| {
+            let rms = rms(candidate);
+            if rms.is_finite() && rms > STIFF * best {
+                candidate.camera = Err(format!("too stiff: {best:.3} px RMS can be had"));
+            }
+            let fit = candidate.fit.as_ref();
+            candidate.held_out = fit.and_then(|fit| held_out(candidate.lens, fit));
+        });
 }
 
 /// Mean squared residual of each view with a lens from the other folds' views; `None` where there
 /// are too few views or a fit fails.
-pub fn held_out(lens: &dyn Lens, fit: &Fit) -> Option<Vec<f64>> {
+fn held_out(lens: &dyn Lens, fit: &Fit) -> Option<Vec<f64>> {
     let (sights, poses) = fit.active();
     if sights.len() < MIN_VIEWS {
         return None;
@@ -172,7 +192,8 @@ pub fn held_out(lens: &dyn Lens, fit: &Fit) -> Option<Vec<f64>> {
 }
 
 /// Index of the candidate that the result is made of: for the polynomial the simplest one that is
-/// not significantly worse than the best, or not by a margin that matters, after the one-standard-error rule (Breiman et al. 1984). Candidates come simplest first.
+/// not significantly worse than the best, or not by a margin that matters, after the
+/// one-standard-error rule (Breiman et al. 1984). Candidates come simplest first.
 pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
     let wanted: Vec<usize> = (0..candidates.len())
         .filter(|i| {
@@ -182,6 +203,7 @@ pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
                 .is_ok_and(|camera| is(camera, model))
         })
         .collect();
+    let wanted = without_idle_extras(candidates, wanted);
     let score = |i: &usize| candidates[*i].held_out_rms_px().unwrap_or(f64::INFINITY);
     let best = *wanted.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
     let Some(least) = &candidates[best].held_out else {
@@ -195,12 +217,9 @@ pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
         let Some(errors) = &candidates[**i].held_out else {
             return false;
         };
-        let excess: Vec<f64> = errors.iter().zip(least).map(|(a, b)| a - b).collect();
-        let n = excess.len() as f64;
-        let mean = excess.iter().sum::<f64>() / n;
-        let spread: f64 = excess.iter().map(|e| (e - mean) * (e - mean)).sum();
+        let (mean, error) = excess(errors, least);
         let no_gain = score(i) <= NO_GAIN * score(&best);
-        no_gain || mean <= TOLERANCE * (spread / (n * (n - 1.0))).sqrt()
+        no_gain || mean <= TOLERANCE * error
     });
     good.copied()
 }
@@ -208,10 +227,45 @@ pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
 /// Standard errors of the mean excess that a simpler lens may have: on real sets of 4 to 40
 /// views, half of one predicts other views best; one makes lenses of few views too stiff.
 const TOLERANCE: f64 = 0.5;
+/// Standard errors of the mean gain that skew or decentring must bring: they are there in some
+/// lenses only, and where they are not they fit noise. On real sets 1 lets idle ones in, 2 keeps
+/// real ones out.
+const EXTRA: f64 = 1.5;
 /// Held-out RMS over the best one's that is as good, however sure the difference is.
 const NO_GAIN: f64 = 1.005;
 /// Parameters of a polynomial of degree 4 without skew.
 const FEW_VIEWS_PARAMETERS: usize = 7;
+
+/// Leaves out skew and decentring that predict other views no better than the best plain polynomial
+/// does.
+fn without_idle_extras(candidates: &[Candidate<'_>], wanted: Vec<usize>) -> Vec<usize> {
+    let extra = |i: &usize| match candidates[*i].lens.kind() {
+        Kind::Ocam { skew, decentred } => decentred || skew,
+        Kind::Other => false,
+    };
+    let score = |i: &usize| candidates[*i].held_out_rms_px().unwrap_or(f64::INFINITY);
+    let plain = wanted.iter().filter(|i| !extra(i));
+    let plain = plain.min_by(|a, b| score(a).total_cmp(&score(b)));
+    let plain = plain.and_then(|i| candidates[*i].held_out.as_ref());
+    let earns = |i: &usize| {
+        let (Some(plain), Some(own)) = (plain, &candidates[*i].held_out) else {
+            return false;
+        };
+        let (gain, error) = excess(plain, own);
+        gain > EXTRA * error
+    };
+    let kept = wanted.iter().filter(|i| !extra(i) || earns(i));
+    kept.copied().collect()
+}
+
+/// Mean of `a - b` over views, and its standard error.
+fn excess(a: &[f64], b: &[f64]) -> (f64, f64) {
+    let excess: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let n = excess.len() as f64;
+    let mean = excess.iter().sum::<f64>() / n;
+    let spread: f64 = excess.iter().map(|e| (e - mean) * (e - mean)).sum();
+    (mean, (spread / (n * (n - 1.0))).sqrt())
+}
 
 fn is(camera: &CameraModel, model: Model) -> bool {
     match model {

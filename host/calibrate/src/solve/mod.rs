@@ -20,12 +20,9 @@ mod start;
 #[cfg(test)]
 mod tests;
 
-use rayon::prelude::*;
-
 use crate::{Board, Calibration, View};
 pub use angular::AngularUncertainty;
 pub use board_pose::board_pose;
-use choice::Candidate;
 pub use error::CalibrateError;
 use fit::{Fit, MIN_CORNERS, Part};
 use lens::{DoubleSphereLens, KannalaBrandtLens, Lens, OcamLens};
@@ -70,6 +67,8 @@ pub struct Options {
     /// Radius of the lens's image circle about its centre, px: the polynomial must be a lens up to
     /// there. `None`: up to a little beyond the farthest corner.
     pub image_circle_px: Option<f64>,
+    /// The lens may be off-centre, if the corners show that it is.
+    pub decentring: bool,
     /// Labels may run against the picture's handedness, as some detectors' do. Otherwise boards
     /// seen from behind mean mirrored pictures, which are refused.
     pub mirrored_labels: bool,
@@ -81,6 +80,7 @@ impl Default for Options {
             model: Model::Ocam,
             degree: None,
             image_circle_px: None,
+            decentring: true,
             mirrored_labels: false,
         }
     }
@@ -124,12 +124,14 @@ pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, Ca
         return Err(no_fit(fitting));
     }
     check::handedness(&base, options)?;
-    let families = families(&lens, options);
-    let mut candidates: Vec<Candidate<'_>> = families
-        .par_iter()
-        .map(|family| Candidate::new(family.as_ref(), &lens, &base, problem.size_px, options))
-        .collect();
-    choice::hold_out(&mut candidates);
+    let plain = families(&lens, options);
+    let mut candidates = choice::judged(&plain, &lens, &base, problem.size_px, options);
+    let best = choice::choose(&candidates, Model::Ocam);
+    let refined = best.map(|best| refinements(&lens, candidates[best].lens, options));
+    let refined = refined.unwrap_or_default();
+    let refined = choice::judged(&refined, &lens, &base, problem.size_px, options);
+    candidates.extend(refined);
+    candidates.sort_by_key(|candidate| candidate.lens.count());
     let chosen = choice::choose(&candidates, options.model).ok_or(CalibrateError::Singular)?;
     finish::calibration(problem, sights, &candidates, chosen)
 }
@@ -155,29 +157,47 @@ fn base(sights: Vec<Sight>, size_px: [u32; 2]) -> Option<(OcamLens, Fit)> {
         parts: parts.collect(),
         sigma_px: 1.0,
     };
-    let flexible = start.lens.with_degree(degree).skewed();
+    let flexible = start.lens.with_degree(degree).with_skew(true);
     let p = flexible.meet_profile([fit.p[0], fit.p[1]], &choice::profile(&start.lens, &fit))?;
     let fit = Fit { p, ..fit }.cleaned(&flexible)?;
     Some((flexible, fit))
 }
 
-/// All families that are tried, simplest first.
+/// Families that are tried first: polynomials of all degrees, and the other models.
 fn families(lens: &OcamLens, options: &Options) -> Vec<Box<dyn Lens>> {
-    let degrees = match options.degree {
+    let plain = OcamLens::new(0, lens.scale_px());
+    let mut families: Vec<Box<dyn Lens>> = Vec::new();
+    for degree in degrees(options) {
+        families.push(Box::new(plain.with_degree(degree)));
+    }
+    families.push(Box::new(KannalaBrandtLens));
+    families.push(Box::new(DoubleSphereLens));
+    families
+}
+
+/// Polynomials about the degree of the best plain one, with skew, decentring or both.
+fn refinements(lens: &OcamLens, best: &dyn Lens, options: &Options) -> Vec<Box<dyn Lens>> {
+    let tried = degrees(options);
+    let near = |degree: &usize| degree.abs_diff(best.degree()) <= 1;
+    let mut families: Vec<Box<dyn Lens>> = Vec::new();
+    for degree in tried.filter(near) {
+        let plain = OcamLens::new(degree, lens.scale_px());
+        families.push(Box::new(plain.with_skew(true)));
+        if options.decentring {
+            let decentred = plain.with_decentring(true);
+            families.push(Box::new(decentred));
+            families.push(Box::new(decentred.with_skew(true)));
+        }
+    }
+    families
+}
+
+fn degrees(options: &Options) -> std::ops::RangeInclusive<usize> {
+    match options.degree {
         Some(degree) => {
             let degree = degree.clamp(*OcamLens::DEGREES.start(), *OcamLens::DEGREES.end());
             degree..=degree
         }
         None => DEGREES,
-    };
-    let plain = OcamLens::new(0, lens.scale_px());
-    let mut families: Vec<Box<dyn Lens>> = Vec::new();
-    for degree in degrees {
-        families.push(Box::new(plain.with_degree(degree)));
-        families.push(Box::new(plain.with_degree(degree).skewed()));
     }
-    families.sort_by_key(|lens| lens.count());
-    families.push(Box::new(KannalaBrandtLens));
-    families.push(Box::new(DoubleSphereLens));
-    families
 }

@@ -1,6 +1,6 @@
 //! Polynomial model of OCamCalib (Scaramuzza, Martinelli & Siegwart 2006).
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::root::decreasing_root;
 use super::{ModelError, ParameterError};
@@ -8,6 +8,10 @@ use super::{ModelError, ParameterError};
 /// The ray through the ideal point (x', y') at distance rho from the centre is
 /// `(x', y', f(rho))` with `f(rho) = a0 + a1 rho + a2 rho^2 + ...`; pixels are an affine image of
 /// ideal points: `x = x' + e y' + cx`, `y = d x' + c y' + cy`.
+///
+/// Beyond the toolbox's model, a lens may be decentred (Brown 1966): before the affine map the ideal
+/// point moves by `(2 t1 x' y' + t2 (r^2 + 2 x'^2), t1 (r^2 + 2 y'^2) + 2 t2 x' y')`, with
+/// `r^2 = x'^2 + y'^2`.
 ///
 /// Signs and axes are the camera frame's (x right, y down, z forward, so a0 > 0); the toolbox's
 /// own (rows first, z backward) exist only in its file's reader and writer.
@@ -21,7 +25,13 @@ pub struct Ocam {
     pub affine: [f64; 3],
     /// Radius up to which `f(rho) / rho` falls; the model ends there, px.
     max_rho_px: f64,
+    /// Decentring `[t1, t2]`, 1/px.
+    decentring_per_px: [f64; 2],
 }
+
+/// Greatest share by which decentring may stretch the picture anywhere: far more than any lens
+/// does, and it stays one-to-one.
+const MOST_STRETCH: f64 = 0.25;
 
 impl Ocam {
     /// Most coefficients that are accepted, as in OCamCalib's own reader.
@@ -78,6 +88,7 @@ impl Ocam {
             centre_px,
             affine,
             max_rho_px: wanted_rho_px,
+            decentring_per_px: [0.0; 2],
         };
         // f / rho falls where f - rho f' > 0. A grid fine against any lens's wiggles.
         const SAMPLES: u32 = 4096;
@@ -91,6 +102,75 @@ impl Ocam {
         }
         ParameterError::check_positive(&[("radius of the polynomial's field", model.max_rho_px)])?;
         Ok(model)
+    }
+
+    /// The same lens, decentred by `[t1, t2]`, 1/px.
+    ///
+    /// # Errors
+    /// [`ParameterError`] if a number is not finite, or so large that the picture might fold.
+    pub fn with_decentring(self, decentring_per_px: [f64; 2]) -> Result<Self, ParameterError> {
+        let [t1, t2] = decentring_per_px;
+        ParameterError::check_finite(&[
+            ("decentring_per_px[0]", t1),
+            ("decentring_per_px[1]", t2),
+        ])?;
+        // No direction stretches by more than 6 |t| r.
+        let stretch = 6.0 * libm::hypot(t1, t2) * self.max_rho_px;
+        if stretch > MOST_STRETCH {
+            return Err(ParameterError {
+                parameter: "stretch of the picture by decentring_per_px",
+                value: stretch,
+                allowed: "up to 0.25",
+            });
+        }
+        Ok(Self {
+            decentring_per_px,
+            ..self
+        })
+    }
+
+    /// The same lens on its axis.
+    pub fn without_decentring(&self) -> Self {
+        Self {
+            decentring_per_px: [0.0; 2],
+            ..self.clone()
+        }
+    }
+
+    /// Decentring `[t1, t2]`, 1/px; zeros for a lens of the toolbox's own model.
+    pub fn decentring_per_px(&self) -> [f64; 2] {
+        self.decentring_per_px
+    }
+
+    /// How far decentring `[t1, t2]`, 1/px, moves an ideal point, px.
+    pub fn decentring_px([t1, t2]: [f64; 2], ideal: Vector2<f64>) -> Vector2<f64> {
+        let (square, product) = (ideal.norm_squared(), 2.0 * ideal.x * ideal.y);
+        Vector2::new(
+            t1 * product + t2 * (square + 2.0 * ideal.x * ideal.x),
+            t1 * (square + 2.0 * ideal.y * ideal.y) + t2 * product,
+        )
+    }
+
+    /// Derivatives of [`Ocam::decentring_px`] by the ideal point.
+    pub fn decentring_slopes([t1, t2]: [f64; 2], ideal: Vector2<f64>) -> Matrix2<f64> {
+        let (x, y) = (2.0 * ideal.x, 2.0 * ideal.y);
+        let mixed = t1 * x + t2 * y;
+        Matrix2::new(t1 * y + 3.0 * t2 * x, mixed, mixed, 3.0 * t1 * y + t2 * x)
+    }
+
+    /// The ideal point that decentring moves to `shifted`; `None` far outside any picture.
+    pub fn centred_px(t: [f64; 2], shifted: Vector2<f64>) -> Option<Vector2<f64>> {
+        let mut ideal = shifted;
+        // Each round is nearer by the stretch, at most a quarter.
+        for _ in 0..40 {
+            let next = shifted - Self::decentring_px(t, ideal);
+            let done = (next - ideal).amax() <= 1e-13 * shifted.amax();
+            ideal = next;
+            if done {
+                return Some(ideal);
+            }
+        }
+        None
     }
 
     /// Distance from the centre where the model ends, ideal px.
@@ -126,7 +206,9 @@ impl Ocam {
             0.0
         };
         let k = if r > 0.0 { rho / r } else { 0.0 };
-        let ([c, d, e], x, y) = (self.affine, k * ray.x, k * ray.y);
+        let ideal = Vector2::new(k * ray.x, k * ray.y);
+        let shifted = ideal + Self::decentring_px(self.decentring_per_px, ideal);
+        let ([c, d, e], x, y) = (self.affine, shifted.x, shifted.y);
         Ok([
             x + e * y + self.centre_px[0],
             d * x + c * y + self.centre_px[1],
@@ -137,11 +219,13 @@ impl Ocam {
         let [c, d, e] = self.affine;
         let (dx, dy) = (x - self.centre_px[0], y - self.centre_px[1]);
         let determinant = c - d * e;
-        let (x, y) = ((c * dx - e * dy) / determinant, (dy - d * dx) / determinant);
-        let rho = libm::hypot(x, y);
+        let shifted = Vector2::new((c * dx - e * dy) / determinant, (dy - d * dx) / determinant);
+        let ideal = Self::centred_px(self.decentring_per_px, shifted);
+        let ideal = ideal.ok_or(ModelError::OutsideImage)?;
+        let rho = libm::hypot(ideal.x, ideal.y);
         if rho >= self.max_rho_px {
             return Err(ModelError::OutsideImage);
         }
-        Ok(Vector3::new(x, y, self.evaluate(rho).0).normalize())
+        Ok(Vector3::new(ideal.x, ideal.y, self.evaluate(rho).0).normalize())
     }
 }

@@ -28,7 +28,9 @@ impl Lens {
         let scaled = |focal: [f64; 2]| [cx + focal[0] * x, cy + focal[1] * y];
         match &self.model {
             CameraModel::Ocam(m) => {
-                let [c, d, e] = m.affine;
+                let ideal = nalgebra::Vector2::new(x, y);
+                let shifted = ideal + Ocam::decentring_px(m.decentring_per_px(), ideal);
+                let ([c, d, e], x, y) = (m.affine, shifted.x, shifted.y);
                 [x + e * y + cx, d * x + c * y + cy]
             }
             CameraModel::KannalaBrandt(m) => scaled(m.focal_px),
@@ -84,10 +86,14 @@ fn kannala_brandt() -> impl Strategy<Value = Lens> {
 fn ocam() -> impl Strategy<Value = Lens> {
     let shape = (-0.6..-0.3, -0.1..0.3, -0.25..-0.05);
     let affine = (0.95..1.05, -0.05..0.05, -0.05..0.05);
-    (100.0..900.0, shape, centre(), affine, 0.5..3.5).prop_map(
-        |(a0, (s2, s3, s4), centre, (c, d, e), reach): (f64, _, _, _, _)| {
+    // Scale-free; the greatest stretch that is allowed is 0.25.
+    let decentring = prop::array::uniform2(-8e-3..8e-3);
+    (100.0..900.0, shape, centre(), affine, 0.5..3.5, decentring).prop_map(
+        |(a0, (s2, s3, s4), centre, (c, d, e), reach, t): (f64, _, _, _, _, [f64; 2])| {
             let polynomial = vec![a0, 0.0, s2 / a0, s3 / a0.powi(2), s4 / a0.powi(3)];
-            let model = Ocam::new(polynomial, centre, [c, d, e], reach * a0).unwrap();
+            let model = Ocam::new(polynomial, centre, [c, d, e], reach * a0)
+                .and_then(|lens| lens.with_decentring(t.map(|t| t / a0)))
+                .unwrap();
             let end_radius = model.max_rho_px();
             Lens {
                 end_rad: end_radius.atan2(model.evaluate(end_radius).0),

@@ -19,7 +19,7 @@ const SAMPLES: usize = 1000;
 /// Chebyshev interpolation over the whole field of the model, of the lowest degree that stays
 /// within 0.01 px; if none does, the best.
 pub(super) fn inverse_polynomial(model: &Ocam) -> Vec<f64> {
-    let mut centred = model.clone();
+    let mut centred = model.without_decentring();
     centred.centre_px = [0.0; 2];
     centred.affine = [1.0, 0.0, 0.0];
     let centred = CameraModel::Ocam(centred);

@@ -88,7 +88,8 @@ impl OcamCalib {
     }
 
     /// The file of a camera with frames of `size_px` (width, height). The inverse polynomial is
-    /// fitted over the model's field, to 0.01 px where some degree up to 20 can.
+    /// fitted over the model's field, to 0.01 px where some degree up to 20 can. The file has no
+    /// place for decentring: it is left out.
     pub fn from_model(model: &Ocam, size_px: [u16; 2]) -> Self {
         let [x, y] = model.centre_px;
         Self {

@@ -141,6 +141,7 @@ impl From<&CameraModel> for LensFile {
                 direct: lens.polynomial.iter().map(|a| 0.0 - a).collect(),
                 centre_row_column: [lens.centre_px[1], lens.centre_px[0]],
                 affine: lens.affine,
+                decentring_per_px: lens.decentring_per_px(),
             },
             CameraModel::KannalaBrandt(lens) => Self::KannalaBrandt {
                 focal_px: lens.focal_px,
@@ -210,6 +211,7 @@ mod tests {
                     [1.0, 1e-3, -1e-3],
                     corner_px,
                 )
+                .and_then(|lens| lens.with_decentring([2e-6, -3e-6]))
                 .unwrap(),
             ),
         ];

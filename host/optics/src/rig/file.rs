@@ -153,6 +153,9 @@ pub enum LensFile {
         centre_row_column: [f64; 2],
         /// `[c, d, e]`.
         affine: [f64; 3],
+        /// Decentring, which the toolbox does not know, in the camera frame (x right, y down).
+        #[serde(default, skip_serializing_if = "is_zero")]
+        decentring_per_px: [f64; 2],
     },
     /// OpenCV fisheye, Kalibr equidistant.
     KannalaBrandt {
@@ -185,6 +188,10 @@ pub enum LensFile {
         /// Shape.
         beta: f64,
     },
+}
+
+fn is_zero(both: &[f64; 2]) -> bool {
+    *both == [0.0; 2]
 }
 
 /// `[left.pose]`: yaw, pitch and roll of the optical axis in the body, or a rotation vector

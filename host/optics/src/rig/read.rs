@@ -313,6 +313,7 @@ fn lens(lens: &LensFile, size_px: [u16; 2]) -> Result<CameraModel, ParameterErro
             direct,
             centre_row_column,
             affine,
+            decentring_per_px,
         } => {
             let calib = OcamCalib {
                 polynomial: direct.clone(),
@@ -321,7 +322,8 @@ fn lens(lens: &LensFile, size_px: [u16; 2]) -> Result<CameraModel, ParameterErro
                 affine: *affine,
                 size_px,
             };
-            CameraModel::Ocam(calib.to_model(calib.farthest_corner_px())?)
+            let lens = calib.to_model(calib.farthest_corner_px())?;
+            CameraModel::Ocam(lens.with_decentring(*decentring_per_px)?)
         }
         LensFile::KannalaBrandt {
             focal_px,

@@ -19,6 +19,20 @@ pub use ocam::OcamLens;
 /// Most parameters that a lens can have.
 pub const MAX_PARAMETERS: usize = 16;
 
+/// Sort of a family: among polynomials of one sort only the degree differs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Polynomials.
+    Ocam {
+        /// Whether image rows and columns may be other than perpendicular.
+        skew: bool,
+        /// Whether the lens may be off-centre.
+        decentred: bool,
+    },
+    /// Models without degrees.
+    Other,
+}
+
 /// A pixel with its derivatives.
 #[derive(Debug, Clone)]
 pub struct Projection {
@@ -39,9 +53,14 @@ pub trait Lens: fmt::Debug + Sync + Send {
     /// values there.
     fn describe(&self) -> Vec<(String, f64)>;
 
-    /// Whether image rows and columns may be other than perpendicular.
-    fn is_skewed(&self) -> bool {
-        false
+    /// Degree of the polynomial; 0 for other models.
+    fn degree(&self) -> usize {
+        0
+    }
+
+    /// What sort of family this is, whatever its degree.
+    fn kind(&self) -> Kind {
+        Kind::Other
     }
 
     /// Number of parameters.
@@ -67,15 +86,14 @@ pub trait Lens: fmt::Debug + Sync + Send {
 }
 
 /// The family and parameters of a calibrated camera, whose parameters' names are given: they tell
-/// whether skew was free. `None` for a model that is not fitted here.
+/// what beside the polynomial was free. `None` for a model that is not fitted here.
 pub fn from_camera(camera: &CameraModel, names: &[&str]) -> Option<(Box<dyn Lens>, Vec<f64>)> {
     match camera {
         CameraModel::Ocam(ocam) => {
             let degree = ocam.polynomial.len().checked_sub(1)?;
-            let mut lens = OcamLens::new(degree, ocam.max_rho_px());
-            if names.contains(&"affine[1]") {
-                lens = lens.skewed();
-            }
+            let lens = OcamLens::new(degree, ocam.max_rho_px())
+                .with_skew(names.contains(&"affine[1]"))
+                .with_decentring(names.contains(&"decentring_per_px[0]"));
             let p = lens.parameters(ocam);
             Some((Box::new(lens), p))
         }

@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector, Matrix2, Vector2, Vector3};
 use tectum_optics::CameraModel;
 use tectum_optics::camera::{Ocam, ParameterError};
 
-use super::{Lens, MAX_PARAMETERS, Projection, radial};
+use super::{Kind, Lens, MAX_PARAMETERS, Projection, radial};
 
-/// Parameters: centre (2), affine c, affine d where there is skew, then `b0, b2, b3 ... bN` of
+/// Parameters: centre (2), affine c, affine d where there is skew, decentring `s t1, s t2` where the lens may be off-centre; then `b0, b2, b3 ... bN` of
 /// `f(rho) = s (b0 + b2 (rho/s)^2 + ... + bN (rho/s)^N)`.
 ///
 /// The affine e stays 0: together with d it would hold a rotation about the axis, which the poses
@@ -18,6 +18,8 @@ pub struct OcamLens {
     scale_px: f64,
     /// Whether image rows and columns may be other than perpendicular.
     skew: bool,
+    /// Whether the lens may be off-centre.
+    decentred: bool,
 }
 
 impl OcamLens {
@@ -31,6 +33,7 @@ impl OcamLens {
             degree,
             scale_px,
             skew: false,
+            decentred: false,
         }
     }
 
@@ -44,9 +47,14 @@ impl OcamLens {
         Self { degree, ..self }
     }
 
-    /// The same with skew.
-    pub fn skewed(self) -> Self {
-        Self { skew: true, ..self }
+    /// The same with skew or without.
+    pub fn with_skew(self, skew: bool) -> Self {
+        Self { skew, ..self }
+    }
+
+    /// The same, the lens on its axis or perhaps off it.
+    pub fn with_decentring(self, decentred: bool) -> Self {
+        Self { decentred, ..self }
     }
 
     /// Powers of rho.
@@ -54,9 +62,14 @@ impl OcamLens {
         std::iter::once(0).chain(2..=self.degree)
     }
 
-    /// Number of parameters before the polynomial's.
-    fn offset(&self) -> usize {
+    /// Index of the first decentring parameter.
+    fn decentring_at(&self) -> usize {
         3 + usize::from(self.skew)
+    }
+
+    /// Index of the polynomial's first parameter.
+    fn offset(&self) -> usize {
+        self.decentring_at() + if self.decentred { 2 } else { 0 }
     }
 
     /// `[c, d]`.
@@ -64,10 +77,22 @@ impl OcamLens {
         [p[2], if self.skew { p[3] } else { 0.0 }]
     }
 
+    /// Decentring `[t1, t2]`, 1/px.
+    fn decentring_per_px(&self, p: &[f64]) -> [f64; 2] {
+        if !self.decentred {
+            return [0.0; 2];
+        }
+        let at = self.decentring_at();
+        [p[at] / self.scale_px, p[at + 1] / self.scale_px]
+    }
+
     /// Parameters of a camera of this degree.
     pub fn parameters(&self, ocam: &Ocam) -> Vec<f64> {
         let mut p = ocam.centre_px.to_vec();
         p.extend(&ocam.affine[..1 + usize::from(self.skew)]);
+        if self.decentred {
+            p.extend(ocam.decentring_per_px().map(|t| t * self.scale_px));
+        }
         let scaled = |k: usize| {
             ocam.polynomial.get(k).copied().unwrap_or(0.0) * self.scale_px.powi(k as i32 - 1)
         };
@@ -133,13 +158,18 @@ impl OcamLens {
 impl Lens for OcamLens {
     fn name(&self) -> String {
         let skew = if self.skew { ", skew" } else { "" };
-        format!("ocam, degree {}{skew}", self.degree)
+        let decentred = if self.decentred { ", decentred" } else { "" };
+        format!("ocam, degree {}{skew}{decentred}", self.degree)
     }
 
     fn describe(&self) -> Vec<(String, f64)> {
         let fixed = ["centre_px[0]", "centre_px[1]", "affine[0]", "affine[1]"];
-        let fixed = fixed[..self.offset()].iter();
+        let fixed = fixed[..self.decentring_at()].iter();
         let mut names: Vec<(String, f64)> = fixed.map(|name| ((*name).into(), 1.0)).collect();
+        if self.decentred {
+            let both = ["decentring_per_px[0]", "decentring_per_px[1]"];
+            names.extend(both.map(|name| (name.into(), 1.0 / self.scale_px)));
+        }
         for k in self.powers() {
             let factor = self.scale_px.powi(1 - k as i32);
             names.push((format!("polynomial[{k}]"), factor));
@@ -147,8 +177,15 @@ impl Lens for OcamLens {
         names
     }
 
-    fn is_skewed(&self) -> bool {
-        self.skew
+    fn degree(&self) -> usize {
+        self.degree
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Ocam {
+            skew: self.skew,
+            decentred: self.decentred,
+        }
     }
 
     fn count(&self) -> usize {
@@ -168,15 +205,25 @@ impl Lens for OcamLens {
         let (ideal, ideal_by_ray) = radial(ray, s * x, slopes, s * b[0] / z);
         let [c, d] = self.affine(p);
         let affine = Matrix2::new(1.0, 0.0, d, c);
+        let t = self.decentring_per_px(p);
+        let shifted = ideal + Ocam::decentring_px(t, ideal);
+        // Of the shifted point by the ideal one, with the affine map behind it.
+        let onward = affine * (Matrix2::identity() + Ocam::decentring_slopes(t, ideal));
         let mut by_lens = [Vector2::zeros(); MAX_PARAMETERS];
         by_lens[0] = Vector2::x();
         by_lens[1] = Vector2::y();
-        by_lens[2] = Vector2::new(0.0, ideal.y);
+        by_lens[2] = Vector2::new(0.0, shifted.y);
         if self.skew {
-            by_lens[3] = Vector2::new(0.0, ideal.x);
+            by_lens[3] = Vector2::new(0.0, shifted.x);
+        }
+        if self.decentred {
+            let at = self.decentring_at();
+            for (k, unit) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
+                by_lens[at + k] = affine * Ocam::decentring_px(unit, ideal) / s;
+            }
         }
         if r > 0.0 {
-            let outward = affine * Vector2::new(ray.x, ray.y) * (-s / by_x);
+            let outward = onward * Vector2::new(ray.x, ray.y) * (-s / by_x);
             let by_polynomial = &mut by_lens[self.offset()..];
             by_polynomial[0] = outward;
             let (inside, beyond) = (x.min(1.0), (x - 1.0).max(0.0));
@@ -186,8 +233,8 @@ impl Lens for OcamLens {
             }
         }
         Some(Projection {
-            pixel: affine * ideal + Vector2::new(p[0], p[1]),
-            by_ray: affine * ideal_by_ray,
+            pixel: affine * shifted + Vector2::new(p[0], p[1]),
+            by_ray: onward * ideal_by_ray,
             by_lens,
         })
     }
@@ -195,7 +242,8 @@ impl Lens for OcamLens {
     fn unproject(&self, p: &[f64], pixel: [f64; 2]) -> Option<Vector3<f64>> {
         let offset = Vector2::new(pixel[0] - p[0], pixel[1] - p[1]);
         let [c, d] = self.affine(p);
-        let ideal = Vector2::new(offset.x, (offset.y - d * offset.x) / c);
+        let shifted = Vector2::new(offset.x, (offset.y - d * offset.x) / c);
+        let ideal = Ocam::centred_px(self.decentring_per_px(p), shifted)?;
         let x = ideal.norm() / self.scale_px;
         let z = self.scale_px * Self::evaluate(&p[self.offset()..], x).0;
         Some(Vector3::new(ideal.x, ideal.y, z))
@@ -212,7 +260,8 @@ impl Lens for OcamLens {
         });
         let b = matrix.svd(true, true).solve(&right, 1e-12).ok()?;
         let mut p = vec![centre_px[0], centre_px[1], 1.0, 0.0];
-        p.truncate(self.offset());
+        p.truncate(self.decentring_at());
+        p.resize(self.offset(), 0.0);
         p.extend(b.iter());
         Some(p)
     }
@@ -224,6 +273,8 @@ impl Lens for OcamLens {
             polynomial[k] = b * self.scale_px.powi(1 - k as i32);
         }
         let [c, d] = self.affine(p);
-        Ocam::new(polynomial, [p[0], p[1]], [c, d, 0.0], radius_px).map(CameraModel::Ocam)
+        let lens = Ocam::new(polynomial, [p[0], p[1]], [c, d, 0.0], radius_px)?;
+        let lens = lens.with_decentring(self.decentring_per_px(p))?;
+        Ok(CameraModel::Ocam(lens))
     }
 }

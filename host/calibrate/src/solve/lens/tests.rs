@@ -5,8 +5,22 @@ use super::*;
 fn lenses() -> Vec<(Box<dyn Lens>, Vec<f64>)> {
     vec![
         (
-            Box::new(OcamLens::new(5, 500.0).skewed()),
+            Box::new(OcamLens::new(5, 500.0).with_skew(true)),
             vec![640.0, 480.0, 1.001, 2e-3, 0.6, -0.3, 0.05, -0.1, 0.02],
+        ),
+        (
+            Box::new(OcamLens::new(3, 500.0).with_decentring(true)),
+            vec![640.0, 480.0, 1.001, 3e-3, -2e-3, 0.6, -0.3, 0.05],
+        ),
+        (
+            Box::new(
+                OcamLens::new(4, 500.0)
+                    .with_skew(true)
+                    .with_decentring(true),
+            ),
+            vec![
+                640.0, 480.0, 1.001, 2e-3, -3e-3, 2e-3, 0.6, -0.3, -0.05, -0.01,
+            ],
         ),
         (
             Box::new(OcamLens::new(4, 500.0)),

@@ -76,6 +76,9 @@ pub struct Args {
     /// Degree of the polynomial (default: chosen on pictures held out)
     #[arg(long, value_name = "N")]
     degree: Option<usize>,
+    /// Keep the lens on its axis: OCamCalib's own model, without decentring
+    #[arg(long)]
+    no_decentring: bool,
     /// What the pictures were taken in
     #[arg(long, value_enum, default_value_t = MediumName::Air)]
     medium: MediumName,
@@ -150,7 +153,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     }
     let shots = shots::take(args, &args.pictures)?;
     let kept = |error| shots.and_kept(error);
-    let eye = CalibratedShots::new(args, &shots, args.model.into()).map_err(kept)?;
+    let eye = CalibratedShots::new(args, &shots, &args.options()).map_err(kept)?;
     outputs::write(args, &eye).map_err(kept)?;
     summary::report(args, &eye)
 }
@@ -177,10 +180,11 @@ impl Args {
         }
     }
 
-    fn options(&self, model: solve::Model) -> Options {
+    fn options(&self) -> Options {
         Options {
-            model,
+            model: self.model.into(),
             degree: self.degree,
+            decentring: !self.no_decentring,
             ..Options::default()
         }
     }
@@ -198,14 +202,13 @@ struct CalibratedShots<'a> {
 }
 
 impl<'a> CalibratedShots<'a> {
-    fn new(args: &Args, shots: &'a Shots, model: solve::Model) -> anyhow::Result<Self> {
+    fn new(args: &Args, shots: &'a Shots, options: &Options) -> anyhow::Result<Self> {
         let problem = Problem {
             size_px: shots.size_px,
             board: args.board(),
             views: shots.views().map(|(_, _, view)| view.clone()).collect(),
         };
-        let options = args.options(model);
-        let calibration = solve::calibrate(&problem, &options).map_err(|error| match error {
+        let calibration = solve::calibrate(&problem, options).map_err(|error| match error {
             // These count pictures; their names say more.
             CalibrateError::BadCorner { view, .. }
             | CalibrateError::WrongBoard { view, .. }

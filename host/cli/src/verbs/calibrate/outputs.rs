@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use image::GrayImage;
 use tectum_calibrate::Calibration;
 use tectum_calibrate::report::{self, ReportInput, ReportView};
-use tectum_calibrate::solve::{AngularUncertainty, Model};
+use tectum_calibrate::solve::{AngularUncertainty, Model, Options};
 use tectum_optics::io::opencv_yaml::{FileStorage, FisheyeCalib};
 use tectum_optics::io::{CalibratedCamera, kalibr, ocam_calib::OcamCalib};
 use tectum_optics::{CalibratedEye, CameraModel, Eye, Field, Provenance};
@@ -65,12 +65,19 @@ fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
     Ok([width?, height?])
 }
 
-/// The same corners' camera of another model.
+/// The same corners' camera of a model as other programs have it: not decentred.
 fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Result<CameraModel> {
-    if Model::from(args.model) == model {
-        return Ok(eye.calibration.model.clone());
+    let own = &eye.calibration.model;
+    let decentred = matches!(own, CameraModel::Ocam(lens) if lens.decentring_per_px() != [0.0; 2]);
+    if Model::from(args.model) == model && !decentred {
+        return Ok(own.clone());
     }
-    let other = CalibratedShots::new(args, eye.shots, model).context("export")?;
+    let options = Options {
+        model,
+        decentring: false,
+        ..args.options()
+    };
+    let other = CalibratedShots::new(args, eye.shots, &options).context("export")?;
     Ok(other.calibration.model)
 }
 

@@ -28,7 +28,7 @@ pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
     let [left, right] = [&shots[0], &shots[1]].map(Shots::files);
     let pairs = pair_by_name(&left, &right)?;
     let [left, right] = problems(args, &shots, &pairs);
-    let calibrate = |problem| solve::calibrate(problem, &args.options(args.model.into()));
+    let calibrate = |problem| solve::calibrate(problem, &args.options());
     let eyes = [("left", &left), ("right", &right)].map(|(side, problem)| {
         let calibrated = calibrate(problem);
         calibrated.map_err(|error| kept(anyhow::anyhow!("{side} eye: {error}")))
