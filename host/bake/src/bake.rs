@@ -137,7 +137,15 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     let output = from_table(&output_map, options.output.size_px);
     // A position off by the allowed error and its rounding must still have its whole box.
     let sights = Sights::trace(rig, &output, options.max_error_px + 1.0 / 128.0);
-    let rows = runs(&sights, options.feather_rad);
+    let rows = match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
+        Some(seam) => rows(&sights, |x, y, [left, right]| match (left, right) {
+            (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
+            _ => left_weight(left, right, 0.0),
+        }),
+        None => rows(&sights, |_, _, [left, right]| {
+            left_weight(left, right, options.feather_rad)
+        }),
+    };
     let [left, right] = meshes(rig, &sights, &rows, options)?;
     if left.is_none() && right.is_none() {
         return Err(BakeError::Empty);
@@ -177,17 +185,20 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
-fn runs(sights: &Sights, feather_rad: f64) -> Vec<Vec<RunData>> {
+/// Runs of all rows from the left eye's weight at a pixel, given the angles off both axes.
+fn rows(
+    sights: &Sights,
+    weight: impl Fn(usize, usize, [Option<f64>; 2]) -> Option<f64> + Sync,
+) -> Vec<Vec<RunData>> {
     sights
         .pixels
         .par_chunks_exact(sights.width_px)
-        .map(|row| {
+        .enumerate()
+        .map(|(y, row)| {
             let weights: Vec<Option<f64>> = row
                 .iter()
-                .map(|sights| {
-                    let [left, right] = sights.map(|sight| sight.map(|s| s.off_axis_rad));
-                    left_weight(left, right, feather_rad)
-                })
+                .enumerate()
+                .map(|(x, sights)| weight(x, y, sights.map(|sight| sight.map(|s| s.off_axis_rad))))
                 .collect();
             row_runs(&weights)
         })

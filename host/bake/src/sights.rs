@@ -1,7 +1,7 @@
 //! Where every output pixel looks in each eye, straight from the camera models.
 
 use rayon::prelude::*;
-use tectum_optics::{OutputMap, Rig, RigEye};
+use tectum_optics::{OutputMap, Rig};
 
 /// What one output pixel sees in one eye.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,9 +26,10 @@ impl Sights {
     /// `margin_px` to the border of what a bilinear box needs does not count.
     pub fn trace(rig: &Rig, map: &OutputMap, margin_px: f64) -> Self {
         let [width, height] = map.size_px.map(usize::from);
-        let sight = |eye: &RigEye, x: usize, y: usize| {
-            let direction = map.ray(x as f64, y as f64)?;
-            let ray = eye.camera_ray(&direction, rig.stitch_distance_m);
+        let eyes = [&rig.left, &rig.right];
+        let sight = |index: usize, x: usize, y: usize| {
+            let eye = eyes[index].as_ref()?;
+            let ray = rig.shown_ray(index, &map.ray(x as f64, y as f64)?)?;
             let pixel = eye.eye.project(&ray).ok()?;
             let inside =
                 |p: f64, side: u16| (margin_px..=f64::from(side - 1) - margin_px).contains(&p);
@@ -43,11 +44,7 @@ impl Sights {
         };
         let pixels = (0..height)
             .into_par_iter()
-            .flat_map_iter(|y| {
-                (0..width).map(move |x| {
-                    [&rig.left, &rig.right].map(|eye| eye.as_ref().and_then(|e| sight(e, x, y)))
-                })
-            })
+            .flat_map_iter(|y| (0..width).map(move |x| [0, 1].map(|eye| sight(eye, x, y))))
             .collect();
         Self {
             width_px: width,

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 use tectum_core::{Eye, Sampler, Tables};
-use tectum_optics::{OutputMap, Rig, RigEye};
+use tectum_optics::{OutputMap, Rig};
 use tectum_tables::RunKind;
 
 use crate::bake::ErrorSummary;
@@ -156,12 +156,13 @@ struct ModelPositions<'a> {
 
 impl ModelPositions<'_> {
     fn at(&self, eye: Eye, x: usize, y: usize) -> Option<[f64; 2]> {
-        let eye: &RigEye = match eye {
-            Eye::Left => self.rig.left.as_ref()?,
-            Eye::Right => self.rig.right.as_ref()?,
+        let (index, rig_eye) = match eye {
+            Eye::Left => (0, self.rig.left.as_ref()?),
+            Eye::Right => (1, self.rig.right.as_ref()?),
         };
         let direction = self.map.ray(x as f64, y as f64)?;
-        eye.pixel_of(&direction, self.rig.stitch_distance_m).ok()
+        let ray = self.rig.shown_ray(index, &direction)?;
+        rig_eye.eye.project(&ray).ok()
     }
 }
 

@@ -19,4 +19,7 @@ pub use field::{Eye, Field, FieldError, SightError};
 pub use front_element::{FrontElement, FrontElementError, InWater, WATER_INDEX};
 pub use pose::{Pose, Side};
 pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
-pub use rig::{CalibratedEye, Medium, Provenance, Rig, RigError, RigEye};
+pub use rig::{
+    CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, SeamMap,
+    Stitching, StitchingFile, WarpMap,
+};

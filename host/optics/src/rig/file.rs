@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::stitching::StitchingFile;
+
 /// What an eye looks through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -49,6 +51,9 @@ pub struct RigFile {
     /// Right eye.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub right: Option<EyeFile>,
+    /// Seam, tone and warp.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stitching: Option<StitchingFile>,
 }
 
 /// `[mount]`: both eyes turned towards the nose by half of psi, then tilted up by tau.

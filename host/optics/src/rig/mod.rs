@@ -5,6 +5,7 @@ mod eye_file;
 mod file;
 mod include;
 mod read;
+mod stitching;
 #[cfg(test)]
 mod tests;
 
@@ -17,6 +18,7 @@ pub use error::RigError;
 pub use eye_file::{CalibratedEye, Provenance};
 pub use file::Medium;
 use file::RigFile;
+pub use stitching::{NamedFile, RgbCurves, SeamMap, Stitching, StitchingFile, WarpMap};
 
 use crate::convention::angle_between;
 use crate::{Eye, Pose, Projection, ProjectionError, SightError};
@@ -93,6 +95,8 @@ pub struct Rig {
     pub left: Option<RigEye>,
     /// Right eye.
     pub right: Option<RigEye>,
+    /// What registration found beside the poses.
+    pub stitching: Option<Stitching>,
     file: RigFile,
 }
 
@@ -137,6 +141,16 @@ impl Rig {
         let mut first = [0; 8];
         first.copy_from_slice(&hash[..8]);
         first
+    }
+
+    /// Ray in the camera frame of eye 0 (left) or 1 (right) that the stitched picture shows in the
+    /// unit `direction`: that of the point at the stitch distance, bent by the rig's warp. `None`
+    /// if there is no such eye.
+    pub fn shown_ray(&self, eye: usize, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let rig_eye = [&self.left, &self.right][eye].as_ref()?;
+        let warp = self.stitching.as_ref().and_then(|s| s.warp.as_ref());
+        let bent = warp.map(|warp| warp.bent(eye, direction));
+        Some(rig_eye.camera_ray(bent.as_ref().unwrap_or(direction), self.stitch_distance_m))
     }
 
     /// The projection about the plane through both optical axes.

@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::file::{BodyDirection, EyeFile, LensFile, MountFile, PoseFile, ReferenceFile, RigFile};
-use super::{Rig, RigError, RigEye};
+use super::{Rig, RigError, RigEye, stitching};
 use crate::camera::{CameraModel, DoubleSphere, Equidistant, Eucm, KannalaBrandt, ParameterError};
 use crate::io::ocam_calib::OcamCalib;
 use crate::pose::rotation_vector;
@@ -34,6 +34,9 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
     };
     let left = eye(&parsed.left, Side::Left)?;
     let right = eye(&parsed.right, Side::Right)?;
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    let named = parsed.stitching.as_ref();
+    let stitching = named.map(|named| stitching::read(named, folder, file));
     Ok(Rig {
         name: parsed.name.clone(),
         medium: parsed.medium,
@@ -41,6 +44,7 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
         stitch_distance_m: distance,
         left,
         right,
+        stitching: stitching.transpose()?,
         file: parsed,
     })
 }
