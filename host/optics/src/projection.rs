@@ -202,6 +202,15 @@ impl OutputMap {
         Some(self.rotation * view)
     }
 
+    /// Whether the picture is a full turn, so that its left and right border are neighbours.
+    pub fn wraps(&self) -> bool {
+        let turn = f64::from(self.size_px[0]) * self.u[1];
+        matches!(
+            self.formula,
+            ViewFormula::Equirect | ViewFormula::Cylindrical
+        ) && (turn - std::f64::consts::TAU).abs() < 1e-9
+    }
+
     /// Picture position of a body-frame direction of any length; `None` if it lies outside the
     /// picture, which covers -0.5 to size - 0.5.
     pub fn pixel(&self, direction: &Vector3<f64>) -> Option<[f64; 2]> {

@@ -2,3 +2,21 @@
 //!
 //! Everything here ends in what the tables hold: poses and scales of the eyes, tone curves, who
 //! owns which pixel, and a small warp of the mesh.
+//!
+//! ```text
+//! pictures ──► matching (boards with a marker) ─┐
+//!          └─► features (SIFT, ORB, …) ─────────┴─► registration ──► poses, focal scales
+//! poses ──► views (both eyes in one picture) ──► colour ──► seam ◄──► align ──► curves, shares, warp
+//! ```
+
+pub mod align;
+pub mod colour;
+mod correspondence;
+pub mod features;
+pub mod matching;
+pub mod registration;
+pub mod seam;
+mod views;
+
+pub use correspondence::Correspondence;
+pub use views::{Eyes, View, Views};

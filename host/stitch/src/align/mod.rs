@@ -1,0 +1,1 @@
+//! Local alignment along the seam, guided by structural similarity.

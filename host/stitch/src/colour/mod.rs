@@ -1,0 +1,1 @@
+//! Colours of both eyes brought together: curves that the core's tone tables hold.

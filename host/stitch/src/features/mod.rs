@@ -1,0 +1,1 @@
+//! Natural features: found, described, matched.

@@ -1,0 +1,1 @@
+//! Boards with a marker: the same corners in both eyes.

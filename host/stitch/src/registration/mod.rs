@@ -1,0 +1,1 @@
+//! Where the eyes look, from the same points in both.

@@ -1,0 +1,1 @@
+//! Who shows what: the cut through the overlap that is noticed least.
