@@ -96,7 +96,7 @@ mod tests {
     fn a_view_shows_its_eye_where_it_looks() {
         let eye = |yaw: f64| {
             format!(
-                "size_px = [200, 200]\nfield_deg = 200.0\npose = {{ yaw_deg = {yaw} }}\n\
+                "size_px = [200, 200]\nfield_deg = 200.0\npose = {{ yaw_deg = {yaw}, pitch_deg = 0.0 }}\n\
                  lens = {{ model = 'equidistant', focal_px_per_rad = 55.0, \
                  centre_px = [99.5, 99.5] }}\n"
             )
