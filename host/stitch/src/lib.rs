@@ -15,6 +15,7 @@ mod correspondence;
 pub mod features;
 pub mod matching;
 pub mod registration;
+pub mod report;
 pub mod seam;
 mod views;
 
