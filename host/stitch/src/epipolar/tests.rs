@@ -1,0 +1,1 @@
+//! Synthetic rays with known truth.
