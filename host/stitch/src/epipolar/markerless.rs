@@ -167,25 +167,15 @@ fn first_pose(
             seed: options.seed,
             ..RansacOptions::default()
         };
-        let found = ransac(&pairs, &options);
-        found.ok_or(EpipolarError::TooFew {
-            agreeing: 0,
-            matches: pairs.len(),
-            needed: 0,
-        })
+        ransac(&pairs, &options)
     };
-    let too_few = |error| match error {
-        EpipolarError::TooFew {
-            agreeing, matches, ..
-        } => EpipolarError::TooFew {
-            agreeing,
-            matches,
-            needed: options.least_inliers,
-        },
-        other => other,
+    let too_few = |agreeing| EpipolarError::TooFew {
+        agreeing,
+        matches: pairs.len(),
+        needed: options.least_inliers,
     };
-    let rotation = search(Model::RotationOnly).map_err(too_few)?;
-    let epipolar = search(Model::Epipolar).map_err(too_few)?;
+    let rotation = search(Model::RotationOnly).ok_or(too_few(0))?;
+    let epipolar = search(Model::Epipolar).ok_or(too_few(0))?;
     // A threshold is two standard deviations of what passes it.
     let sigma_rad = options.threshold_rad / 2.0;
     let best: RansacResult = if rotation_suffices(&pairs, &rotation, &epipolar, sigma_rad) {
@@ -195,11 +185,7 @@ fn first_pose(
     };
     let agreeing = best.inliers.iter().filter(|inlier| **inlier).count();
     if agreeing < options.least_inliers {
-        return Err(EpipolarError::TooFew {
-            agreeing,
-            matches: pairs.len(),
-            needed: options.least_inliers,
-        });
+        return Err(too_few(agreeing));
     }
     if best.rival_score > MOST_RIVAL_SHARE * best.score {
         return Err(EpipolarError::Ambiguous {

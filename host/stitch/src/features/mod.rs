@@ -17,6 +17,7 @@
 //! eyes are calibrated and upright; their positions are always raw pixels.
 
 mod detector;
+mod homography;
 mod keypoint;
 mod matching;
 mod orb;
@@ -25,8 +26,11 @@ mod shot;
 mod sift;
 pub mod superpoint;
 mod tile;
+#[cfg(test)]
+mod tests;
 
 pub use detector::{Detector, DetectorError, Matcher};
+pub use homography::{PositionPair, homography_inliers};
 pub use keypoint::{Descriptors, Features, Keypoint};
 pub use matching::{LOWE_RATIO, Match, mutual_matches, mutual_matches_where};
 pub use orb::OrbOptions;

@@ -3,7 +3,7 @@
 use image::GrayImage;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rayon::prelude::*;
-use tectum_optics::convention::{angle_between, direction};
+use tectum_optics::convention::{angle_between, direction, yaw_pitch};
 use tectum_optics::{OutputMap, Rig, RigEye, ViewFormula};
 
 use crate::Eyes;
@@ -156,6 +156,18 @@ impl Tile {
     /// Unit direction in the body frame at a position of the tile, px.
     pub fn ray(&self, [x, y]: [f64; 2]) -> Option<Vector3<f64>> {
         self.map.ray(x, y)
+    }
+
+    /// Position of a direction in the tile, px, once and perhaps outside.
+    pub fn position_px(&self, direction: &Vector3<f64>) -> [f64; 2] {
+        let view = self.map.rotation.inverse() * direction;
+        let (yaw, elevation) = yaw_pitch(&view);
+        let turns = (yaw - self.columns_rad[0]) / std::f64::consts::TAU;
+        let azimuth = yaw - std::f64::consts::TAU * libm::floor(turns);
+        [
+            (-azimuth - self.map.u[0]) / self.map.u[1],
+            (elevation - self.map.v[0]) / self.map.v[1],
+        ]
     }
 
     /// Pixel of an eye's picture at a position of the tile.

@@ -34,8 +34,8 @@ impl Default for OrbOptions {
         Self {
             levels: 8,
             scale_step: 1.2,
-            fast_threshold: 10,
-            most: 8000,
+            fast_threshold: 20,
+            most: 4000,
         }
     }
 }
