@@ -5,13 +5,14 @@
 //!
 //! ```text
 //! pictures ──► matching (boards with a marker) ─┐
-//!          └─► features (SIFT, ORB, …) ─────────┴─► registration ──► poses, focal scales
+//!          └─► features (SIFT, ORB, …) ─► epipolar ┴─► registration ──► poses, focal scales
 //! poses ──► views (both eyes in one picture) ──► colour ──► seam ◄──► align ──► curves, shares, warp
 //! ```
 
 pub mod align;
 pub mod colour;
 mod correspondence;
+pub mod epipolar;
 pub mod features;
 pub mod matching;
 pub mod registration;

@@ -7,6 +7,7 @@ mod demo;
 mod detect;
 mod inspect;
 mod lookup;
+mod matching;
 mod simulate;
 mod stitch;
 mod verify;
@@ -26,6 +27,7 @@ pub enum Verb {
     Stitch(stitch::Args),
     Lookup(lookup::Args),
     Inspect(inspect::Args),
+    Match(matching::Args),
     Simulate(simulate::Args),
     Water(water::Args),
 }
@@ -43,6 +45,7 @@ impl Verb {
             Self::Stitch(args) => stitch::run(&args),
             Self::Lookup(args) => lookup::run(&args),
             Self::Inspect(args) => inspect::run(&args),
+            Self::Match(args) => matching::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Water(args) => water::run(&args),
         }
