@@ -4,8 +4,8 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::bundle::Eye;
 use super::{MIN_PAIRS, StereoError};
-use crate::{BoardPose, BoardSize};
 use crate::solve::internal::{Pose, rotation};
+use crate::{BoardPose, BoardSize};
 
 /// Directions of the other eye's corners that differ by less than this agree, rad: more than two
 /// separately calibrated eyes are off, far less than a board turned round.

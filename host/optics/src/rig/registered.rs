@@ -149,7 +149,10 @@ mod tests {
             let scaled = rig.with_lens_scales([1.02, 0.97]).unwrap();
             let again = Rig::from_toml(&scaled.to_toml().unwrap(), "again").unwrap();
             assert_eq!(again, scaled);
-            let eyes = [(&rig.left, &scaled.left, 1.02), (&rig.right, &scaled.right, 0.97)];
+            let eyes = [
+                (&rig.left, &scaled.left, 1.02),
+                (&rig.right, &scaled.right, 0.97),
+            ];
             for (before, after, scale) in eyes {
                 let [before, after] = [before, after].map(|eye| &eye.as_ref().unwrap().eye.model);
                 let ray = Vector3::new(0.5, -0.7, 0.4);

@@ -92,7 +92,9 @@ impl View {
     /// Whether one of the corners is at a place.
     fn is_near(&self, [x, y]: [f64; 2]) -> bool {
         let places = self.corners.iter().map(|corner| corner.position_px);
-        places.into_iter().any(|[u, v]| libm::hypot(u - x, v - y) < 2.0)
+        places
+            .into_iter()
+            .any(|[u, v]| libm::hypot(u - x, v - y) < 2.0)
     }
 }
 
