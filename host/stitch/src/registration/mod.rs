@@ -1,1 +1,3 @@
 //! Where the eyes look, from the same points in both.
+
+pub(crate) mod rotations;
