@@ -19,6 +19,8 @@ mod readings;
 mod seen;
 mod sighting;
 #[cfg(test)]
+pub(crate) mod synthetic;
+#[cfg(test)]
 mod tests;
 
 use nalgebra::{Rotation3, Vector3};
