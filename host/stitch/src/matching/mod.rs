@@ -85,6 +85,8 @@ pub struct MatchedCorner {
     /// Column and row on the board. Where no marker was seen, a symmetric board's may be turned, the
     /// same in both eyes.
     pub label: [i32; 2],
+    /// Place on the board, mm from label (0, 0).
+    pub point_mm: [f64; 2],
     /// Where both eyes see it.
     pub pair: Correspondence,
     /// Distance from each eye, by the board's pose in that eye, m.

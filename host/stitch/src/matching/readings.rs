@@ -106,6 +106,7 @@ impl Pairing {
                 let right = by_label[1].get(label)?;
                 Some(MatchedCorner {
                     label: *label,
+                    point_mm: label.map(|k| f64::from(k) * self.board.square_mm),
                     pair: Correspondence {
                         shot,
                         left_px: left.position_px,

@@ -108,7 +108,7 @@ fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Boa
         .filter_map(|corner| {
             Some(Sight {
                 point_mm: board.corner_mm(corner.i, corner.j),
-                ray: eye.unproject(corner.position_px).ok()?,
+                ray: eye.model.unproject(corner.position_px).ok()?,
             })
         })
         .collect();
@@ -149,7 +149,9 @@ fn by_marker(
             return Some(Err(Refusal::MarkerTwice { eye: name, id }));
         }
     };
-    let rays = marker.corners_px.map(|pixel| eye.unproject(pixel).ok());
+    let rays = marker
+        .corners_px
+        .map(|pixel| eye.model.unproject(pixel).ok());
     // A marker on the rim tells nothing.
     let [Some(a), Some(b), Some(c), Some(d)] = rays else {
         return None;

@@ -135,7 +135,11 @@ pub fn sighting(
         }
     }
     let least = |k: usize| seen.iter().map(|(label, _)| label[k]).min().unwrap_or(0);
-    let (i0, j0) = (least(0), least(1));
+    let (mut i0, j0) = (least(0), least(1));
+    // As the detector does where the colours tell which way round the board is.
+    if (size.columns + size.rows) % 2 == 1 && (i0 + j0).rem_euclid(2) != i32::from(how.turns % 2) {
+        i0 -= 1;
+    }
     let corner = |(label, position_px): &([i32; 2], [f64; 2])| Corner {
         i: (label[0] - i0) as u16,
         j: (label[1] - j0) as u16,

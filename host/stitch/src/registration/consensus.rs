@@ -7,7 +7,7 @@ use tectum_optics::convention::angle_between;
 use tectum_optics::{rotation_vector, vector_of_rotation};
 
 use super::rotations::nearest_rotation;
-use super::tie::{Look, Mount, Range, Rays, Tie};
+use super::tie::{Look, Mount, Rays, Tie};
 use super::{Options, RegistrationError};
 use crate::Eyes;
 
@@ -64,7 +64,7 @@ impl Sample<'_> {
     /// Whether every tie fixes a direction from the middle between the eyes, so that two give a
     /// rotation; otherwise a tie fixes one angle only, and it takes three.
     fn is_ranged(&self) -> bool {
-        let known = |tie: &Tie| matches!(tie.range, Range::Known(_));
+        let known = |tie: &Tie| tie.range.ranges_m().is_some();
         self.mount.baseline().norm() == 0.0 || self.ties.iter().all(known)
     }
 
@@ -100,10 +100,8 @@ impl Sample<'_> {
 
     /// Unit directions in which both eyes see a tie, from the middle between them.
     fn directions(&self, tie: usize, rotations: &Eyes<Rotation3<f64>>) -> Eyes<Vector3<f64>> {
-        let inverse = match self.ties[tie].range {
-            Range::Known(ranges_m) => ranges_m.map(|range| 1.0 / range),
-            Range::Unknown => [0.0; 2],
-        };
+        let ranges_m = self.ties[tie].range.ranges_m();
+        let inverse = ranges_m.map_or([0.0; 2], |ranges_m| ranges_m.map(|range| 1.0 / range));
         [0, 1].map(|eye: usize| {
             let seen = rotations[eye] * self.rays[tie].rays[eye];
             (seen + self.mount.centres_m[eye] * inverse[eye]).normalize()

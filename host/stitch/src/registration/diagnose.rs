@@ -16,13 +16,11 @@ pub fn fault(
     sample: &Sample<'_>,
     options: &Options,
 ) -> Option<RegistrationError> {
-    let both = [true, true];
     let faults = [
         (true, [false, false], RegistrationError::Swapped),
-        (false, both, RegistrationError::Mirrored("left and right")),
+        (false, [true, true], RegistrationError::Swapped),
         (false, [true, false], RegistrationError::Mirrored("left")),
         (false, [false, true], RegistrationError::Mirrored("right")),
-        (true, both, RegistrationError::Swapped),
     ];
     let found = faults.into_iter().find(|(swapped, mirrored, _)| {
         let repaired: Vec<Tie> = ties
@@ -57,7 +55,7 @@ fn repaired(mount: &Mount<'_>, tie: &Tie, swapped: bool, mirrored: &Eyes<bool>) 
     let mut range = tie.range;
     if swapped {
         pixels.swap(0, 1);
-        if let Range::Known(ranges_m) = &mut range {
+        if let Range::Known(ranges_m) | Range::Board { ranges_m, .. } = &mut range {
             ranges_m.swap(0, 1);
         }
     }

@@ -46,10 +46,14 @@ pub enum RegistrationError {
         /// Pairs.
         pairs: usize,
     },
-    /// The pictures of the eyes are swapped.
-    #[error("the eyes are swapped: the left pictures fit the right eye, the right ones the left")]
+    /// The pictures of the eyes are swapped, or all of them are mirrored: before a symmetric rig that
+    /// is the same.
+    #[error(
+        "the eyes are swapped (the left pictures fit the right eye, the right ones the left), or all \
+         pictures are mirrored"
+    )]
     Swapped,
-    /// Pictures are mirrored.
+    /// One eye's pictures are mirrored.
     #[error("the {0} pictures are mirrored: turn off mirroring in the camera or the tool")]
     Mirrored(&'static str),
     /// The eyes are not where the rig says, by far.

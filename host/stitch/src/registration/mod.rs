@@ -3,7 +3,7 @@
 //! A plane cannot hold 210 degrees, so everything is done on rays. The relative rotation that most
 //! pairs agree on turns both eyes, half each; then all inliers refine both eyes' rotations and the
 //! scales of their lenses by Eq. 6 of Tong et al. 2024, its norm made smooth, by a quasi-Newton
-//! method as there. What that paper leaves open is fixed so:
+//! method as there; last, boards' poses are refined with them. What that paper leaves open is fixed so:
 //!
 //! - the residual is an angle, so that no shorter focal length makes it small;
 //! - the eyes' positions are the rig's, and **parallax is part of the model**: a board's range is
@@ -16,10 +16,12 @@
 //! [`planar`] is the paper's own way, a homography between two pictures.
 
 mod bfgs;
+mod boards;
 mod consensus;
 mod diagnose;
 mod error;
 mod parallax;
+pub mod planar;
 mod refine;
 pub(crate) mod rotations;
 #[cfg(test)]
@@ -68,8 +70,9 @@ impl Default for Options {
             nearest_m: 0.15,
             smooth_px: 0.5,
             common_sigma_rad: 2f64.to_radians(),
-            // As sure as a calibration from some twenty pictures is.
-            scale_sigma: Some(1e-3),
+            // A calibrated eye's rim is sure to some 0.02 degrees; looser, and a scale passes for a
+            // turn.
+            scale_sigma: Some(3e-4),
         }
     }
 }
@@ -145,10 +148,11 @@ pub fn register(
         });
     }
     let (places, rays): (Vec<usize>, Vec<Rays>) = usable.into_iter().unzip();
-    let seen: Vec<Tie> = places.iter().map(|k| ties[*k]).collect();
+    let mut seen: Vec<Tie> = places.iter().map(|k| ties[*k]).collect();
+    let given = seen.clone();
     let sample = Sample {
         mount: &mount,
-        ties: &seen,
+        ties: &given,
         rays: &rays,
         rotations: eyes.map(|eye| eye.pose.rotation),
     };
@@ -168,7 +172,8 @@ pub fn register(
     for _ in 0..2 {
         let chosen = seen.iter().zip(&inliers).filter(|(_, inlier)| **inlier);
         problem.ties = chosen.map(|(tie, _)| *tie).collect();
-        x = problem.solve(x);
+        let start = problem.solve(x);
+        x = boards::solve(&mut problem, &mut seen, start);
         let look = refine::look(&eyes, &x);
         let angles = seen.iter().map(|tie| angle_rad(&mount, tie, &look));
         inliers = angles
@@ -189,8 +194,10 @@ pub fn register(
         .and_then(|rig| rig.with_lens_scales(scales))
         .map_err(|error| RegistrationError::Rig(error.to_string()))?;
     let mut all = vec![false; ties.len()];
-    for (place, inlier) in places.iter().zip(&inliers) {
-        all[*place] = *inlier;
+    let mut ranged = ties.to_vec();
+    for (k, place) in places.iter().enumerate() {
+        all[*place] = inliers[k];
+        ranged[*place] = seen[k];
     }
     let turn = Consensus {
         rotations,
@@ -208,7 +215,7 @@ pub fn register(
         baseline_m: mount.baseline().norm(),
         parallax: parallax::table(mount.baseline().norm(), rig.stitch_distance_m),
     };
-    registration.measure(&mount, ties, &look);
+    registration.measure(&mount, &ranged, &look);
     Ok(registration)
 }
 
@@ -257,12 +264,10 @@ fn check_overlap(eyes: &Eyes<&RigEye>, options: &Options) -> Result<(), Registra
     Ok(())
 }
 
-/// Rays of a tie that lies in both eyes' fields, also with the lenses' scales at their bounds.
+/// Rays of a tie that both lenses hold, also with their scales at the bounds. What a picture shows
+/// may lie beyond the field that the rig claims.
 fn usable(mount: &Mount<'_>, tie: &Tie) -> Option<Rays> {
-    for (eye, pixel) in mount.eyes.iter().zip(tie.pixels()) {
-        eye.unproject(pixel).ok()?;
-    }
-    if let Range::Known(ranges_m) = tie.range
+    if let Some(ranges_m) = tie.range.ranges_m()
         && !ranges_m.iter().all(|range| *range > 0.0)
     {
         return None;

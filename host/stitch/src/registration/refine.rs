@@ -46,6 +46,18 @@ fn left_jacobian(v: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + k * a + k * k * b
 }
 
+/// The left Jacobians of both eyes' turns.
+pub fn jacobians(x: &Unknowns) -> Eyes<Matrix3<f64>> {
+    [0, 3].map(|at| left_jacobian(&x.fixed_rows::<3>(at).into_owned()))
+}
+
+/// What a residual with this square counts, and the factor that makes its derivatives the cost's.
+pub fn smooth(square: f64, smooth_rad: f64) -> (f64, f64) {
+    let own = smooth_rad * smooth_rad;
+    let root = (1.0 + square / own).sqrt();
+    (2.0 * (root - 1.0), 2.0 / (own * root))
+}
+
 /// How the eyes look by the unknowns.
 pub fn look(rig: &Eyes<&RigEye>, x: &Unknowns) -> Look {
     let turns = [0, 3].map(|at| x.fixed_rows::<3>(at).into_owned());
@@ -81,15 +93,20 @@ impl Problem<'_> {
     /// their shares of their standard deviations.
     pub fn cost(&self, x: &Unknowns) -> (f64, Unknowns) {
         let look = look(&self.rig, x);
-        let turns = [0, 3].map(|at| left_jacobian(&x.fixed_rows::<3>(at).into_owned()));
-        let square = self.smooth_rad * self.smooth_rad;
-        let (mut value, mut gradient) = (0.0, Unknowns::zeros());
+        let turns = jacobians(x);
+        let (mut value, mut gradient) = self.prior(x);
         for residual in self.residuals(&look) {
-            let root = (1.0 + residual.off.norm_squared() / square).sqrt();
-            value += 2.0 * (root - 1.0);
+            let (cost, weight) = smooth(residual.off.norm_squared(), self.smooth_rad);
+            value += cost;
             let by = self.slopes(&residual, &turns);
-            gradient += by.transpose() * residual.off * (2.0 / (square * root));
+            gradient += by.transpose() * residual.off * weight;
         }
+        (value, gradient)
+    }
+
+    /// What the priors count.
+    pub fn prior(&self, x: &Unknowns) -> (f64, Unknowns) {
+        let (mut value, mut gradient) = (0.0, Unknowns::zeros());
         let common = (x.fixed_rows::<3>(0) + x.fixed_rows::<3>(3)) / 2.0;
         let share = common / (self.common_sigma_rad * self.common_sigma_rad);
         value += common.dot(&share);
@@ -108,10 +125,16 @@ impl Problem<'_> {
 
     /// The unknowns at which the cost is least.
     pub fn solve(&self, start: Unknowns) -> Unknowns {
+        let high = self.bounds();
+        minimise(&mut |x| self.cost(x), start, &-high, &high).0
+    }
+
+    /// Greatest values of the unknowns.
+    pub fn bounds(&self) -> Unknowns {
         let mut high = Unknowns::repeat(MOST_TURN_RAD);
         let most = self.scale_sigma.map_or(0.0, |_| MOST_LOG_SCALE);
         high.fixed_rows_mut::<2>(6).fill(most);
-        minimise(&mut |x| self.cost(x), start, &-high, &high).0
+        high
     }
 
     /// Standard error of the turn of the eyes against each other about its least sure axis, rad, by

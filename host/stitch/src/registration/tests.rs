@@ -63,8 +63,7 @@ fn board_ties(
     let loose = Relative::of(assumed, 0.2).unwrap();
     let lenses = eyes(assumed).map(|eye| &eye.eye);
     let outcomes = match_boards(lenses, &[Target::Overlap(target)], &seen, Some(&loose));
-    let corners = outcomes.iter().flat_map(|outcome| outcome.corners());
-    let mut ties: Vec<Tie> = corners.map(Tie::from).collect();
+    let mut ties = Tie::of_boards(&outcomes);
     for tie in ties.iter_mut().step_by(10) {
         tie.pair.left_px[0] += 20.0 * noise.even();
         tie.pair.right_px[1] += 20.0 * noise.even();
@@ -104,7 +103,8 @@ fn natural_ties(truth: &Rig, count: usize, noise: &mut Noise) -> Vec<Tie> {
 #[test]
 fn rotation_comes_back_from_boards_at_any_range() {
     let truth = rig();
-    for (k, range_m) in [0.2, 0.3, 0.5, 1.0].into_iter().enumerate() {
+    for k in 0..8 {
+        let range_m = [0.2, 0.3, 0.5, 1.0][k % 4];
         let mut noise = Noise::new(k as u64);
         let turns = [0, 1].map(|_| noise.vector() * 0.03);
         let assumed = turned(&truth, turns);
@@ -230,7 +230,7 @@ fn faults_are_named() {
     let flip = |at: &mut [f64; 2]| at[0] = 959.0 - at[0];
     let swap = |tie: &mut Tie| {
         std::mem::swap(&mut tie.pair.left_px, &mut tie.pair.right_px);
-        if let Range::Known(ranges_m) = &mut tie.range {
+        if let Range::Board { ranges_m, .. } = &mut tie.range {
             ranges_m.swap(0, 1);
         }
     };
@@ -240,7 +240,7 @@ fn faults_are_named() {
         flip(&mut tie.pair.right_px);
     };
     let mirrored = refused(&changed(&mirror));
-    assert_eq!(mirrored, RegistrationError::Mirrored("left and right"));
+    assert_eq!(mirrored, RegistrationError::Swapped);
     let mirrored = refused(&changed(&|tie| flip(&mut tie.pair.right_px)));
     assert_eq!(mirrored, RegistrationError::Mirrored("right"));
     assert!(matches!(

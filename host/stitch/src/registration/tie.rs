@@ -3,14 +3,23 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use tectum_optics::{CameraModel, Eye, Rig, RigEye, rotation_vector};
 
-use crate::matching::MatchedCorner;
+use crate::matching::{MatchedCorner, Outcome};
 use crate::{Correspondence, Eyes};
 
 /// How far away a point is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
-    /// Distance from each eye, m; may be infinite. A board's pose tells it.
+    /// Distance from each eye, m; may be infinite.
     Known(Eyes<f64>),
+    /// A corner of a board.
+    Board {
+        /// Distance from each eye by the board's pose in that eye, m.
+        ranges_m: Eyes<f64>,
+        /// Which board in which shot: any number of its own.
+        board: usize,
+        /// Place on the board, mm.
+        point_mm: [f64; 2],
+    },
     /// Anything from the nearest range to infinity, as of a natural feature.
     Unknown,
 }
@@ -24,12 +33,32 @@ pub struct Tie {
     pub range: Range,
 }
 
-impl From<&MatchedCorner> for Tie {
-    fn from(corner: &MatchedCorner) -> Self {
-        Self {
-            pair: corner.pair,
-            range: Range::Known(corner.ranges_m),
+impl Range {
+    /// Distance from each eye, if it is known, m.
+    pub fn ranges_m(&self) -> Option<Eyes<f64>> {
+        match self {
+            Self::Known(ranges_m) | Self::Board { ranges_m, .. } => Some(*ranges_m),
+            Self::Unknown => None,
         }
+    }
+}
+
+impl Tie {
+    /// The corners of all boards that were matched.
+    pub fn of_boards(outcomes: &[Outcome]) -> Vec<Self> {
+        let corners = outcomes.iter().enumerate().flat_map(|(board, outcome)| {
+            let corners = outcome.corners().iter();
+            corners.map(move |corner| (board, corner))
+        });
+        let tie = |(board, corner): (usize, &MatchedCorner)| Self {
+            pair: corner.pair,
+            range: Range::Board {
+                ranges_m: corner.ranges_m,
+                board,
+                point_mm: corner.point_mm,
+            },
+        };
+        corners.map(tie).collect()
     }
 }
 
@@ -122,15 +151,15 @@ impl<'a> Mount<'a> {
     pub fn residual(&self, tie: &Tie, rays: &Rays, look: &Look) -> Residual {
         let turned = [0, 1].map(|eye| look.rotations[eye] * rays.rays[eye]);
         let slopes = [0, 1].map(|eye| look.rotations[eye] * rays.by_scale[eye]);
-        let (arms, inverse, shift_by_scale) = match tie.range {
+        let (arms, inverse, shift_by_scale) = match tie.range.ranges_m() {
             // The range of a board follows the scale of the lens that measured it.
-            Range::Known(ranges_m) => {
+            Some(ranges_m) => {
                 let inverse =
                     [0, 1].map(|eye: usize| libm::exp(-look.log_scales[eye]) / ranges_m[eye]);
                 let arms = [0, 1].map(|eye: usize| self.centres_m[eye] * inverse[eye]);
                 (arms, inverse, arms.map(|arm| -arm))
             }
-            Range::Unknown => {
+            None => {
                 let inverse = self.nearest_inverse(&turned);
                 let arm = self.baseline() * inverse;
                 let point = turned[1] + arm;
