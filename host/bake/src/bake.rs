@@ -10,7 +10,7 @@ use crate::mesh::{FittedMesh, Targets, fit};
 use crate::metering::meter_pairs;
 use crate::output_map::{from_table, to_table};
 use crate::rays::eye_rays;
-use crate::seam::{left_weight, row_runs};
+use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE, left_weight, row_runs};
 use crate::sights::Sights;
 use crate::tone::{ToneError, tone};
 
@@ -148,11 +148,13 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     // A position off by the allowed error and its rounding must still have its whole box.
     let sights = Sights::trace(rig, &output, options.max_error_px + 1.0 / 128.0);
     let rows = match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
-        Some(seam) => rows(&sights, |x, y, [left, right]| match (left, right) {
-            (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
-            _ => left_weight(left, right, 0.0),
+        Some(seam) => rows(&sights, SEAM_MAP_TOLERANCE, |x, y, [left, right]| {
+            match (left, right) {
+                (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
+                _ => left_weight(left, right, 0.0),
+            }
         }),
-        None => rows(&sights, |_, _, [left, right]| {
+        None => rows(&sights, RAMP_TOLERANCE, |_, _, [left, right]| {
             left_weight(left, right, options.feather_rad)
         }),
     };
@@ -210,9 +212,11 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// Runs of all rows from the left eye's weight at a pixel, given the angles off both axes.
+/// Runs of all rows, within `tolerance`, from the left eye's weight at a pixel, given the angles off
+/// both axes.
 fn rows(
     sights: &Sights,
+    tolerance: f64,
     weight: impl Fn(usize, usize, [Option<f64>; 2]) -> Option<f64> + Sync,
 ) -> Vec<Vec<RunData>> {
     sights
@@ -225,7 +229,7 @@ fn rows(
                 .enumerate()
                 .map(|(x, sights)| weight(x, y, sights.map(|sight| sight.map(|s| s.off_axis_rad))))
                 .collect();
-            row_runs(&weights)
+            row_runs(&weights, tolerance)
         })
         .collect()
 }
