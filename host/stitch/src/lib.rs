@@ -10,6 +10,7 @@
 //! ```
 
 pub mod align;
+mod bspline;
 pub mod colour;
 mod correspondence;
 pub mod epipolar;

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::pairs::Pair;
+use crate::bspline::weights;
 
 /// Coefficients of the ratio's cubic B-spline.
 const KNOTS: usize = 12;
@@ -98,12 +99,7 @@ fn basis(ln_level: f64) -> (usize, [f64; 4]) {
     let x = (abscissa - ends[0]) / (ends[1] - ends[0]) * intervals;
     let x = x.clamp(0.0, intervals);
     let first = (x as usize).min(KNOTS - 4);
-    let (t, s) = (x - first as f64, 1.0 - x + first as f64);
-    let inner = |t: f64| 2.0 / 3.0 - t * t + t * t * t / 2.0;
-    (
-        first,
-        [s * s * s / 6.0, inner(t), inner(s), t * t * t / 6.0],
-    )
+    (first, weights(x - first as f64))
 }
 
 /// Penalised weighted least squares; `None` where no weight is left.

@@ -1,0 +1,300 @@
+//! From pictures to a bend that makes the seam better, or to none.
+
+use image::RgbImage;
+use serde::Serialize;
+use tectum_optics::convention::yaw_pitch;
+use tectum_optics::{RgbCurves, Rig};
+
+use super::error::AlignError;
+use super::grid::Grid;
+use super::lattice::Lattice;
+use super::matching::{Match, Pyramids, matches};
+use super::pieces::{Piece, pieces};
+use super::score::{mean, seam_pixels, similarities};
+use super::taper::{fade, reach_px};
+use super::{AlignOptions, Warp};
+use crate::colour::toned;
+use crate::seam::{Overlap, Seam, band};
+use crate::{Eyes, Views};
+
+/// What a piece's mean similarity must rise by to be kept.
+const WORTH: f64 = 0.005;
+
+/// A bend of both eyes' pictures along the seam, and the seam through the bent pictures.
+#[derive(Debug, Clone)]
+pub struct Alignment {
+    /// The bend; `None` if none makes the seam better.
+    pub warp: Option<Warp>,
+    /// The seam that goes with it.
+    pub seam: Seam,
+    /// What was found.
+    pub summary: AlignSummary,
+}
+
+/// What was found along the seam.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AlignSummary {
+    /// Pictures that were looked at, pairs.
+    pub shots: usize,
+    /// Pixels of the seam that both eyes see, before.
+    pub seam_px: usize,
+    /// Mean structural similarity of the eyes in 21x21 px about the seam's pixels: the seam before.
+    pub ssim_before: f64,
+    /// The same of the seam after; never less.
+    pub ssim_after: f64,
+    /// The bad pieces of the seam before.
+    pub pieces: Vec<PieceSummary>,
+    /// Greatest bend of an eye, deg.
+    pub greatest_deg: f64,
+}
+
+/// A bad piece of the seam.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PieceSummary {
+    /// Direction of its middle in the body frame.
+    pub yaw_deg: f64,
+    /// The same, up negative.
+    pub pitch_deg: f64,
+    /// Pixels of the seam in it.
+    pub seam_px: usize,
+    /// Mean similarity along it before.
+    pub ssim_before: f64,
+    /// The same along the same pixels with the bend last tried.
+    pub ssim_after: f64,
+    /// Places in which the eyes were matched.
+    pub matches: usize,
+    /// Whether it is bent.
+    pub accepted: bool,
+}
+
+/// Aligns the eyes locally where the seam is bad, by one or several shots at once.
+///
+/// The rig's own warp is not looked at; `tone` are the curves of its colours.
+///
+/// # Errors
+/// [`AlignError`]: an option out of range, or no seam.
+pub fn align(
+    rig: &Rig,
+    shots: &[Eyes<&RgbImage>],
+    tone: Option<&Eyes<RgbCurves>>,
+    options: &AlignOptions,
+) -> Result<Alignment, AlignError> {
+    check(options)?;
+    let stage = Stage::new(rig, shots, tone, options)?;
+    let before = stage.views(None);
+    let seam = stage.seam(&before)?;
+    let grid = &stage.grid;
+    let pixels = seam_pixels(grid, &before, &seam.cut.left);
+    if pixels.is_empty() {
+        return Err(AlignError::NothingShared);
+    }
+    let similar = similarities(grid, &before, &pixels);
+    let found = pieces(grid, &pixels, &similar);
+    let work = Work {
+        stage: &stage,
+        pixels: &pixels,
+        similar: &similar,
+        pieces: &found,
+    };
+    let mut summary = AlignSummary {
+        shots: shots.len(),
+        seam_px: pixels.len(),
+        ssim_before: mean(similar.iter().copied()),
+        ssim_after: mean(similar.iter().copied()),
+        pieces: found.iter().map(|piece| work.summary(piece)).collect(),
+        greatest_deg: 0.0,
+    };
+    let bent = match work.matches(&before, &mut summary) {
+        matches if matches.is_empty() => None,
+        matches => work.bend(&matches, &mut summary),
+    };
+    if let Some((warp, views)) = bent {
+        let again = stage.seam(&views)?;
+        let pixels = seam_pixels(grid, &views, &again.cut.left);
+        let after = mean(similarities(grid, &views, &pixels).into_iter());
+        if after >= summary.ssim_before {
+            summary.ssim_after = after;
+            summary.greatest_deg = warp.greatest_deg;
+            return Ok(Alignment {
+                warp: Some(warp),
+                seam: again,
+                summary,
+            });
+        }
+    }
+    for piece in &mut summary.pieces {
+        piece.accepted = false;
+    }
+    Ok(Alignment {
+        warp: None,
+        seam,
+        summary,
+    })
+}
+
+fn check(options: &AlignOptions) -> Result<(), AlignError> {
+    let allowed = [
+        (
+            "width_px",
+            f64::from(options.width_px),
+            256.0..=8192.0,
+            "256 to 8192",
+        ),
+        ("margin_px", options.margin_px, 0.0..=256.0, "0 to 256"),
+        ("knots_rad", options.knots_rad, 0.02..=0.5, "0.02 to 0.5"),
+        ("most_rad", options.most_rad, 0.005..=0.2, "0.005 to 0.2"),
+    ];
+    for (what, value, range, allowed) in allowed {
+        if !range.contains(&value) {
+            return Err(AlignError::Option {
+                what,
+                value,
+                allowed,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Rig, pictures and frame.
+struct Stage<'a> {
+    rig: Rig,
+    shots: &'a [Eyes<&'a RgbImage>],
+    tone: Option<&'a Eyes<RgbCurves>>,
+    options: &'a AlignOptions,
+    grid: Grid,
+}
+
+impl<'a> Stage<'a> {
+    fn new(
+        rig: &Rig,
+        shots: &'a [Eyes<&'a RgbImage>],
+        tone: Option<&'a Eyes<RgbCurves>>,
+        options: &'a AlignOptions,
+    ) -> Result<Self, AlignError> {
+        let mut rig = rig.clone();
+        if let Some(stitching) = &mut rig.stitching {
+            stitching.warp = None;
+        }
+        // Halved twice, and matched every 8 px.
+        let map = band(&rig, options.width_px / 8 * 8)?;
+        Ok(Self {
+            rig,
+            shots,
+            tone,
+            options,
+            grid: Grid::new(map),
+        })
+    }
+
+    /// What the eyes show, bent.
+    fn views(&self, warp: Option<&Warp>) -> Vec<Views> {
+        let mut rig = self.rig.clone();
+        let stitching = rig.stitching.get_or_insert_default();
+        stitching.warp = warp.and_then(|warp| warp.map().ok());
+        let shot = |pictures: &Eyes<&RgbImage>| {
+            let mut views = Views::render(&rig, *pictures, &self.grid.map);
+            if let Some(tone) = self.tone {
+                for (view, curves) in views.eyes.iter_mut().zip(tone) {
+                    *view = toned(view, curves);
+                }
+            }
+            views
+        };
+        self.shots.iter().map(shot).collect()
+    }
+
+    fn seam(&self, views: &[Views]) -> Result<Seam, AlignError> {
+        let first = views.first().ok_or(crate::seam::SeamError::NoPictures)?;
+        let overlap = Overlap::new(first, self.options.margin_px);
+        Ok(Seam::find(views, overlap, &self.options.seam)?)
+    }
+
+    fn most_px(&self) -> f64 {
+        self.grid.px(self.options.most_rad)
+    }
+}
+
+/// A seam and its bad pieces.
+struct Work<'a> {
+    stage: &'a Stage<'a>,
+    pixels: &'a [usize],
+    similar: &'a [f64],
+    pieces: &'a [Piece],
+}
+
+impl Work<'_> {
+    fn summary(&self, piece: &Piece) -> PieceSummary {
+        let middle = self.pixels[piece.members[piece.members.len() / 2]];
+        let width = self.stage.grid.size_px[0];
+        let middle = [middle % width, middle / width].map(|p| p as f64);
+        let (yaw, pitch) = yaw_pitch(&self.stage.grid.direction(middle));
+        let before = mean(piece.members.iter().map(|k| self.similar[*k]));
+        PieceSummary {
+            yaw_deg: yaw.to_degrees(),
+            pitch_deg: pitch.to_degrees(),
+            seam_px: piece.members.len(),
+            ssim_before: before,
+            ssim_after: before,
+            matches: 0,
+            accepted: false,
+        }
+    }
+
+    /// Matches of each piece.
+    fn matches(&self, views: &[Views], summary: &mut AlignSummary) -> Vec<Vec<Match>> {
+        if self.pieces.is_empty() {
+            return Vec::new();
+        }
+        let pyramids = Pyramids::new(views);
+        let of_piece = |piece: &Piece| {
+            let pixels: Vec<usize> = piece.members.iter().map(|k| self.pixels[*k]).collect();
+            matches(&pyramids, &self.stage.grid, &pixels, self.stage.most_px())
+        };
+        let found: Vec<Vec<Match>> = self.pieces.iter().map(of_piece).collect();
+        for (piece, matches) in summary.pieces.iter_mut().zip(&found) {
+            piece.matches = matches.len();
+        }
+        found
+    }
+
+    /// The bend of all pieces that it makes better, and the pictures bent by it.
+    fn bend(
+        &self,
+        matches: &[Vec<Match>],
+        summary: &mut AlignSummary,
+    ) -> Option<(Warp, Vec<Views>)> {
+        let mut kept: Vec<usize> = (0..self.pieces.len())
+            .filter(|k| !matches[*k].is_empty())
+            .collect();
+        // Each round drops a piece or ends.
+        while !kept.is_empty() {
+            let warp = self.warp(&kept, matches)?;
+            let views = self.stage.views(Some(&warp));
+            let after = similarities(&self.stage.grid, &views, self.pixels);
+            let all = kept.len();
+            kept.retain(|k| {
+                let piece = &mut summary.pieces[*k];
+                piece.ssim_after = mean(self.pieces[*k].members.iter().map(|m| after[*m]));
+                piece.accepted = piece.ssim_after >= piece.ssim_before + WORTH;
+                piece.accepted
+            });
+            if kept.len() == all {
+                return Some((warp, views));
+            }
+        }
+        None
+    }
+
+    fn warp(&self, kept: &[usize], matches: &[Vec<Match>]) -> Option<Warp> {
+        let (grid, most_px) = (&self.stage.grid, self.stage.most_px());
+        let knot_px = grid.px(self.stage.options.knots_rad);
+        let mut lattice = Lattice::new(grid, knot_px, reach_px(most_px));
+        let known: Vec<Match> = kept.iter().flat_map(|k| matches[*k].clone()).collect();
+        lattice.fit(&known);
+        let members = kept.iter().flat_map(|k| &self.pieces[*k].members);
+        let pixels: Vec<usize> = members.map(|k| self.pixels[*k]).collect();
+        fade(&mut lattice, grid, &pixels, most_px);
+        Warp::new(&lattice, grid)
+    }
+}
