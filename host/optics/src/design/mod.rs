@@ -31,7 +31,7 @@ pub use backward::{
 pub use circle::Circle;
 pub use error::DesignError;
 pub use explanation::{Explanation, Reading};
-pub use eyes::{BothEyes, EyeView, sensor_clip};
+pub use eyes::{BothEyes, EyeView, sensor_clip, shown_field};
 pub use forward::Forward;
 pub use measured::{
     EdgeField, edge_pixels, field_from_wall_rad, half_angle_from_outer_rad, wall_from_field,
