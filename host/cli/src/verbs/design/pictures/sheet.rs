@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use embedded_graphics::mono_font::MonoFont;
-use embedded_graphics::mono_font::iso_8859_1::FONT_9X15;
+use embedded_graphics::mono_font::iso_8859_1::FONT_9X15_BOLD;
 use image::{RgbImage, RgbaImage};
 use tectum_page::picture::png_uri;
 use tectum_page::svg::escape;
@@ -18,7 +18,7 @@ pub const DIM: Colour = [154, 164, 173];
 
 /// Length of a dash and of the gap after it, px.
 const DASH: [f64; 2] = [7.0, 6.0];
-const FONT: MonoFont<'_> = FONT_9X15;
+const FONT: MonoFont<'_> = FONT_9X15_BOLD;
 
 /// Which point of a text is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,8 +127,7 @@ impl Sheet {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
              width=\"{width}\" height=\"{height}\" role=\"img\" aria-label=\"{}\">\n\
              <style>text{{font:15px ui-monospace,Menlo,Consolas,\"DejaVu Sans Mono\",monospace;\
-             paint-order:stroke;stroke:{};stroke-width:3px;stroke-linejoin:round;\
-             dominant-baseline:central}}</style>\n\
+             paint-order:stroke;stroke:{};stroke-width:3px;stroke-linejoin:round}}</style>\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
             escape(label),
             hex(PAPER),
@@ -146,7 +145,7 @@ impl Sheet {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 svg,
-                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" fill=\"{}\">{}</text>",
+                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" dy=\"0.35em\" fill=\"{}\">{}</text>",
                 words.at[0],
                 words.at[1],
                 hex(words.colour),
