@@ -7,6 +7,7 @@
 
 pub mod camera;
 pub mod convention;
+pub mod design;
 mod field;
 mod front_element;
 pub mod io;

@@ -10,10 +10,11 @@ use serde_json::{Value, json};
 use tectum_bake::output_map;
 use tectum_core::{Channel, Eye};
 use tectum_optics::convention::yaw_pitch;
+use tectum_optics::design::Area;
 use tectum_optics::{Rig, RigEye};
 use tectum_tables::{Mesh, RunKind, Tables};
 
-use crate::areas::{self, Area};
+use crate::areas;
 use crate::report::{Report, Usage};
 use crate::{draw, files, pictures};
 

@@ -4,6 +4,7 @@ mod bake;
 mod board;
 mod calibrate;
 mod demo;
+mod design;
 mod detect;
 mod inspect;
 mod lookup;
@@ -19,6 +20,7 @@ use crate::report::Report;
 #[derive(clap::Subcommand)]
 pub enum Verb {
     Demo(demo::Args),
+    Design(Box<design::Args>),
     Board(board::Args),
     Detect(detect::Args),
     Calibrate(Box<calibrate::Args>),
@@ -37,6 +39,7 @@ impl Verb {
     pub fn run(self) -> anyhow::Result<Report> {
         match self {
             Self::Demo(args) => demo::run(&args),
+            Self::Design(args) => design::run(&args),
             Self::Board(args) => board::run(&args),
             Self::Detect(args) => detect::run(&args),
             Self::Calibrate(args) => calibrate::run(&args),
