@@ -52,7 +52,9 @@ impl PairArgs {
         let pairs = pair_by_name(&left, &right)?;
         let files = pairs.pairs.iter();
         Ok(Paired {
-            files: files.map(|[l, r]| [left[*l].clone(), right[*r].clone()]).collect(),
+            files: files
+                .map(|[l, r]| [left[*l].clone(), right[*r].clone()])
+                .collect(),
             alone: pairs.alone,
         })
     }

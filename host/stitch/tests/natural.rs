@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use image::GrayImage;
 use nalgebra::Rotation3;
+use tectum_optics::Rig;
 use tectum_optics::convention::angle_between;
 use tectum_optics::io::ocam_calib::OcamCalib;
-use tectum_optics::Rig;
 use tectum_stitch::Eyes;
 use tectum_stitch::epipolar::{Baseline, MarkerlessOptions, RayCheck, RelativePose, markerless};
 use tectum_stitch::features::{
@@ -78,7 +78,10 @@ fn features_experiment() {
         return;
     };
     // The measure of the peers: within 0.5 degrees of the plane, less than 40 degrees apart.
-    let peers = RayCheck { behind_rad: 1.0, ..RayCheck::default() };
+    let peers = RayCheck {
+        behind_rad: 1.0,
+        ..RayCheck::default()
+    };
     for cameras in PAIRS {
         let overlap = Overlap::new(&published(&folder, cameras), 0.0).expect("two eyes");
         let shots = shots(&folder, cameras);
@@ -87,8 +90,8 @@ fn features_experiment() {
                 let detector = Detector::new(matcher, None).expect("built in");
                 for (shot, pictures) in shots.iter().enumerate() {
                     let start = std::time::Instant::now();
-                    let features =
-                        shot_features(&overlap, pictures.each_ref(), &detector, view).expect("runs");
+                    let features = shot_features(&overlap, pictures.each_ref(), &detector, view)
+                        .expect("runs");
                     let found = correspond(&features, shot, LOWE_RATIO);
                     let time = start.elapsed().as_millis();
                     let like_peers = peers.consistency(&overlap.eyes, &found);
@@ -96,8 +99,13 @@ fn features_experiment() {
                     println!(
                         "{cameras:?} {view:?} {} {shot}: {} {} features, {} matches, {:.2} right \
                          (chance {:.2}), {:.2} ahead too, {time} ms",
-                        matcher.name(), features[0].len(), features[1].len(), found.len(),
-                        like_peers.share(), like_peers.chance, strict.share(),
+                        matcher.name(),
+                        features[0].len(),
+                        features[1].len(),
+                        found.len(),
+                        like_peers.share(),
+                        like_peers.chance,
+                        strict.share(),
                     );
                 }
             }
@@ -126,11 +134,19 @@ fn markerless_experiment() {
                 };
                 println!(
                     "{cameras:?}: {} of {} inliers, rms {:.3}, off {:.3} (vector {:.3?}), +- {:.3?} worst {:.3}, baseline off {:.3} +- {:.3}  {:?}",
-                    found.inliers.len(), found.matches, found.rms_rad.to_degrees(),
-                    found.turned_rad.to_degrees(), turn.scaled_axis().map(f64::to_degrees).as_slice(),
-                    found.rotation_standard_error_rad.map(f64::to_degrees).as_slice(),
+                    found.inliers.len(),
+                    found.matches,
+                    found.rms_rad.to_degrees(),
+                    found.turned_rad.to_degrees(),
+                    turn.scaled_axis().map(f64::to_degrees).as_slice(),
+                    found
+                        .rotation_standard_error_rad
+                        .map(f64::to_degrees)
+                        .as_slice(),
                     found.worst_rotation_error_rad.to_degrees(),
-                    along.to_degrees(), found.baseline_standard_error_rad.to_degrees(), start.elapsed()
+                    along.to_degrees(),
+                    found.baseline_standard_error_rad.to_degrees(),
+                    start.elapsed()
                 );
             }
             Err(error) => println!("{cameras:?}: {error} {:?}", start.elapsed()),

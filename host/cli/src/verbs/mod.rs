@@ -9,6 +9,7 @@ mod detect;
 mod inspect;
 mod lookup;
 mod matching;
+mod register;
 mod simulate;
 mod stitch;
 mod verify;
@@ -25,6 +26,7 @@ pub enum Verb {
     Detect(detect::Args),
     Calibrate(Box<calibrate::Args>),
     Bake(bake::Args),
+    Register(Box<register::Args>),
     Verify(verify::Args),
     Stitch(stitch::Args),
     Lookup(lookup::Args),
@@ -44,6 +46,7 @@ impl Verb {
             Self::Detect(args) => detect::run(&args),
             Self::Calibrate(args) => calibrate::run(&args),
             Self::Bake(args) => bake::run(&args),
+            Self::Register(args) => register::run(&args),
             Self::Verify(args) => verify::run(&args),
             Self::Stitch(args) => stitch::run(&args),
             Self::Lookup(args) => lookup::run(&args),

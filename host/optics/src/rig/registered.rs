@@ -1,7 +1,7 @@
 //! A rig with other poses or other scales of its lenses, as registration finds them.
 
 use super::file::{EyeFile, LensFile, PoseFile, RigFile};
-use super::{Rig, RigError, read};
+use super::{Rig, RigError, Stitching, StitchingFile, read};
 use crate::{Pose, vector_of_rotation};
 
 impl Rig {
@@ -41,6 +41,15 @@ impl Rig {
                 }
             }
         })
+    }
+
+    /// The rig with other seam, tone and warp, and the files that hold them.
+    #[must_use]
+    pub fn with_stitching(&self, stitching: Stitching, named: StitchingFile) -> Self {
+        let mut rig = self.clone();
+        rig.file.stitching = Some(named);
+        rig.stitching = Some(stitching);
+        rig
     }
 
     /// What reading the edited file would give.

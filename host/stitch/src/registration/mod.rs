@@ -102,7 +102,11 @@ pub struct Registration {
     #[serde(skip)]
     pub rig: Rig,
     /// By pair given: whether it agrees.
+    #[serde(skip)]
     pub inliers: Vec<bool>,
+    /// By pair given: angle between both eyes' sights, degrees; `None` of those that do not agree.
+    #[serde(skip)]
+    pub residuals_deg: Vec<Option<f64>>,
     /// By shot.
     pub shots: Vec<ShotFit>,
     /// Distance between where an eye sees a point and where it is by the other eye, at the point's
@@ -206,6 +210,7 @@ pub fn register(
     let mut registration = Registration {
         rig: corrected,
         inliers: all,
+        residuals_deg: Vec::new(),
         shots: Vec::new(),
         rms_px: 0.0,
         rms_deg: 0.0,
@@ -227,12 +232,14 @@ impl Registration {
         for (tie, inlier) in ties.iter().zip(&self.inliers) {
             let shot = shots.entry(tie.pair.shot).or_default();
             shot.0 += 1;
+            let angle = inlier.then(|| angle_rad(mount, tie, look)).flatten();
+            self.residuals_deg.push(angle.map(f64::to_degrees));
             if !inlier {
                 continue;
             }
             shot.1 += 1;
             shot.2 += reprojection_px(mount, tie, look).map_or(0.0, |[a, b]| (a * a + b * b) / 2.0);
-            angles += angle_rad(mount, tie, look).map_or(0.0, |angle| angle * angle);
+            angles += angle.map_or(0.0, |angle| angle * angle);
             count += 1;
         }
         let root = |sum: f64, count: usize| (sum / count.max(1) as f64).sqrt();

@@ -32,9 +32,9 @@ pub struct ReportInput<'a> {
     pub curves: Option<&'a Eyes<RgbCurves>>,
     /// Energy with the cut drawn on it.
     pub energy: Option<&'a RgbImage>,
-    /// Structural similarity of the eyes at each pixel of the cut: before and after registration's
-    /// warp.
-    pub similarity: &'a [[f64; 2]],
+    /// Structural similarity of the eyes along the cut, before and after local alignment: angle
+    /// around the axis that joins the eyes, deg, and SSIM.
+    pub similarity: [&'a [[f64; 2]]; 2],
     /// The stitched picture.
     pub stitched: Option<&'a RgbImage>,
 }

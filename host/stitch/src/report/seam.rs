@@ -25,24 +25,31 @@ pub fn html(input: &ReportInput) -> String {
 }
 
 fn similarity(input: &ReportInput) -> String {
-    let count = input.similarity.len();
-    if count == 0 {
+    let [before, after] = input.similarity;
+    let all = || before.iter().chain(after).filter(|dot| dot[1].is_finite());
+    if all().next().is_none() {
         return String::new();
     }
-    let column = |k: usize| input.similarity.iter().map(move |pair| pair[k]);
-    let mean = |k: usize| column(k).sum::<f64>() / count as f64;
-    let low = column(0).chain(column(1)).fold(0.0, f64::min);
-    let mut plot = Plot::new([1120.0, 320.0], [0.0, count as f64], [low, 1.0]);
-    for (class, k) in [("equidistant", 0), ("curve", 1)] {
-        plot.line(class, column(k).enumerate().map(|(i, v)| [i as f64, v]));
-    }
+    let mean = |dots: &[[f64; 2]]| {
+        let sound = || dots.iter().filter(|dot| dot[1].is_finite());
+        sound().map(|dot| dot[1]).sum::<f64>() / sound().count() as f64
+    };
+    let least = |k: usize| all().map(|dot| dot[k]).fold(f64::INFINITY, f64::min);
+    let most = all().map(|dot| dot[0]).fold(f64::NEG_INFINITY, f64::max);
+    let mut plot = Plot::new([1120.0, 320.0], [least(0), most], [least(1).min(0.0), 1.0]);
+    plot.dots("red", before.iter().copied());
+    plot.dots("seen", after.iter().copied());
     captioned(
-        &plot.finish("Similarity along the cut", "pixel of the cut", "SSIM"),
+        &plot.finish(
+            "Similarity along the cut",
+            "degrees around the eyes' axis",
+            "SSIM",
+        ),
         &format!(
-            "Structural similarity of the eyes along the cut: dashed before local alignment (mean \
-             {}), full after it ({}).",
-            figure(mean(0), 3),
-            figure(mean(1), 3)
+            "Structural similarity of the eyes along the cut: red before local alignment (mean {}), \
+             blue after it ({}).",
+            figure(mean(before), 3),
+            figure(mean(after), 3)
         ),
     )
 }

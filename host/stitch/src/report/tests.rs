@@ -28,7 +28,7 @@ fn a_page_shows_what_was_done_and_no_more() {
         parallax: &[],
         curves: None,
         energy: None,
-        similarity: &[],
+        similarity: [&[], &[]],
         stitched: None,
     };
     let page = html(&nothing);
@@ -43,7 +43,7 @@ fn a_page_shows_what_was_done_and_no_more() {
         parallax: &[[0.5, 0.02], [2.0, 0.0], [f64::INFINITY, 0.01]],
         curves: Some(&[straight; 2]),
         energy: Some(&picture),
-        similarity: &[[0.4, 0.9], [f64::NAN, 0.8]],
+        similarity: [&[[-90.0, 0.4], [90.0, f64::NAN]], &[[0.0, 0.8]]],
         stitched: Some(&picture),
         ..nothing
     });
