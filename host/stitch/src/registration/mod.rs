@@ -55,7 +55,9 @@ pub struct Options {
     pub nearest_m: f64,
     /// Residual from which on Eq. 6 counts lengths and not squares, px.
     pub smooth_px: f64,
-    /// Standard deviation of the rig's baseline direction against both eyes, rad.
+    /// Standard deviation of the rig's baseline direction against both eyes, rad. Points at one
+    /// range cannot tell it from a turn of the eyes against each other but by how it varies over
+    /// the field.
     pub common_sigma_rad: f64,
     /// Standard deviation of the lenses' scales; `None` holds them.
     pub scale_sigma: Option<f64>,
@@ -69,7 +71,7 @@ impl Default for Options {
             most_turn_rad: 15f64.to_radians(),
             nearest_m: 0.15,
             smooth_px: 0.5,
-            common_sigma_rad: 2f64.to_radians(),
+            common_sigma_rad: 0.5f64.to_radians(),
             // A calibrated eye's rim is sure to some 0.02 degrees; looser, and a scale passes for a
             // turn.
             scale_sigma: Some(3e-4),
