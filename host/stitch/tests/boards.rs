@@ -191,9 +191,9 @@ fn a_stereo_pair_is_paired_in_all_shots_and_in_no_other_ones() {
     }
     // The left picture of each shot with the right one of every other: nothing but the rig can tell.
     let (mut accepted, mut nearest) = (Vec::new(), f64::INFINITY);
-    for k in 0..34 {
-        for m in (0..34).filter(|m| *m != k) {
-            let shot = [left[k].clone(), right[m].clone()];
+    for (k, left) in left.iter().enumerate() {
+        for (m, right) in right.iter().enumerate().filter(|(m, _)| *m != k) {
+            let shot = [left.clone(), right.clone()];
             let outcomes = match_boards(lenses, &targets, &[shot], Some(&relative));
             match &outcomes[0].result {
                 Ok(_) => accepted.push((k, m, epipolar(&rig, &outcomes).1)),
@@ -288,11 +288,14 @@ fn diverging_eyes_pair_their_boards() {
         // The boards hardly move, so that one map holds all shots to a few px; turned round, corners
         // of a shot would lie up to 100 px off.
         assert!(all(None) < 5.0 && least > 20.0, "{} {least}", all(None));
-        // The left picture of each shot with the right one of the next: the eyes never say so alike.
+        // The left picture of each shot with the right one of the next. Boards that hardly move are
+        // within 4 degrees of each other; the shots among themselves tell.
         let late = seen[0].iter().zip(seen[1].iter().cycle().skip(1));
         let late: Vec<[Sighting; 2]> = late.map(|(a, b)| [a.clone(), b.clone()]).collect();
         let outcomes = match_boards(lenses, &targets, &late, relative);
         let paired = outcomes.iter().filter(|outcome| outcome.result.is_ok());
-        println!("  out of step by one: {} of 8 paired", paired.count());
+        let paired = paired.count();
+        println!("  out of step by one: {paired} of 8 paired");
+        assert!(paired == 0 || relative.is_some());
     }
 }

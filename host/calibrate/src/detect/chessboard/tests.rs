@@ -125,13 +125,10 @@ fn every_board_of_a_picture_is_found_once() {
         from += part.width();
     }
     let views = detect_all(&picture, "7x4".parse().expect("a size"));
-    // The third is too small to be told from a part of one, and is one as far as it goes.
-    let whole: Vec<_> = views
-        .iter()
-        .filter(|view| view.corners.len() == 28)
-        .collect();
-    assert_eq!((views.len(), whole.len()), (3, 2));
-    for range in &ranges {
+    // Five rows of five corners are no part of four rows.
+    let corners: Vec<usize> = views.iter().map(|view| view.corners.len()).collect();
+    assert_eq!(corners, [28, 28]);
+    for range in &ranges[..2] {
         let inside = |view: &&crate::View| {
             let places = view.corners.iter().map(|corner| corner.position_px[0]);
             places.into_iter().all(|x| range.contains(&x))
