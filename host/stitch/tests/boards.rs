@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use image::GrayImage;
-use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Matrix3x2, Rotation3, Vector2, Vector3};
 use rayon::prelude::*;
 use serde_json::Value;
 use tectum_calibrate::Board;
@@ -110,7 +110,8 @@ fn opposite_eyes_of_220_degrees_pair_the_whole_board() {
         "registered on one board: turned {:.3} deg, standard error {:.3}, {:.3} px, scales {:?}",
         found.turn_deg, found.turn_standard_error_deg, found.rms_px, found.lens_scales
     );
-    assert!(found.turn_deg < 1.0 && found.rms_px < 1.0);
+    // One board in one place leaves the turn to a standard error of a third of a degree.
+    assert!(found.turn_deg < 5.0 * found.turn_standard_error_deg && found.rms_px < 1.0);
     let rig = Rig::load(&repository().join("tables/rigs/sweepnet-2-4.toml")).unwrap();
     let lenses = eyes(&rig).map(|eye| &eye.eye);
     let shots = [[frame(4, 1), frame(2, 1)]];
@@ -190,9 +191,9 @@ fn a_stereo_pair_is_paired_in_all_shots_and_in_no_other_ones() {
     }
     // The left picture of each shot with the right one of every other: nothing but the rig can tell.
     let (mut accepted, mut nearest) = (Vec::new(), f64::INFINITY);
-    for k in 0..34 {
-        for m in (0..34).filter(|m| *m != k) {
-            let shot = [left[k].clone(), right[m].clone()];
+    for (k, left) in left.iter().enumerate() {
+        for (m, right) in right.iter().enumerate().filter(|(m, _)| *m != k) {
+            let shot = [left.clone(), right.clone()];
             let outcomes = match_boards(lenses, &targets, &[shot], Some(&relative));
             match &outcomes[0].result {
                 Ok(_) => accepted.push((k, m, epipolar(&rig, &outcomes).1)),
@@ -215,15 +216,18 @@ fn a_stereo_pair_is_paired_in_all_shots_and_in_no_other_ones() {
     assert_eq!(paired, 0);
 }
 
-/// Least squares of the epipolar constraint `a E b = 0` over pairs of rays, RMS: small only if the
-/// pairs are those of two rigid eyes, wherever these are (Longuet-Higgins 1981).
-fn essential_rms(rays: &[[Vector3<f64>; 2]]) -> f64 {
-    let mut normal = SMatrix::<f64, 9, 9>::zeros();
-    for [a, b] in rays {
-        let row = SVector::<f64, 9>::from_fn(|k, _| a[k / 3] * b[k % 3]);
+/// Distance, px RMS, of pairs of points from one affine map of left to right.
+fn affine_rms_px(pairs: &[[[f64; 2]; 2]]) -> f64 {
+    let (mut normal, mut right) = (Matrix3::zeros(), Matrix3x2::zeros());
+    for [a, b] in pairs {
+        let row = Vector3::new(a[0], a[1], 1.0);
         normal += row * row.transpose();
+        right += row * Vector2::from(*b).transpose();
     }
-    (normal.symmetric_eigenvalues().min().max(0.0) / rays.len() as f64).sqrt()
+    let map = normal.cholesky().unwrap().solve(&right).transpose();
+    let off = |[a, b]: &[[f64; 2]; 2]| map * Vector3::new(a[0], a[1], 1.0) - Vector2::from(*b);
+    let square: f64 = pairs.iter().map(|pair| off(pair).norm_squared()).sum();
+    (square / pairs.len() as f64).sqrt()
 }
 
 #[test]
@@ -237,7 +241,7 @@ fn diverging_eyes_pair_their_boards() {
         .map(|k| [seen[0][k].clone(), seen[1][k].clone()])
         .collect();
     // The published intrinsics are no lens's, and the boards, all in one corner, calibrate none: an
-    // ideal lens of the stated 120 degrees. The board is at the left border of the left picture, at
+    // ideal lens of about the stated field. The board is at the left border of the left picture, at
     // the right border of the right one.
     let eye = |yaw_deg: f64| {
         format!(
@@ -254,37 +258,44 @@ fn diverging_eyes_pair_their_boards() {
     let rig = Rig::from_toml(&text, "slug").unwrap();
     let lenses = eyes(&rig).map(|eye| &eye.eye);
     let relative = Relative::of(&rig, 4f64.to_radians()).unwrap();
-    for relative in [Some(&relative), None] {
+    for (name, relative) in [("by the rig", Some(&relative)), ("by the shots", None)] {
         let outcomes = match_boards(lenses, &targets, &shots, relative);
-        let rays = |k: usize, turned: bool| {
+        let pixels = |k: usize, turned: bool| {
             let corners = outcomes[k].corners();
             let both = corners.iter().enumerate().map(move |(at, corner)| {
                 let other = if turned { corners.len() - 1 - at } else { at };
-                [
-                    lenses[0].model.unproject(corner.pair.left_px).unwrap(),
-                    lenses[1]
-                        .model
-                        .unproject(corners[other].pair.right_px)
-                        .unwrap(),
-                ]
+                [corner.pair.left_px, corners[other].pair.right_px]
             });
             both.collect::<Vec<_>>()
         };
         let all = |turned: Option<usize>| {
-            let each = (0..8).flat_map(|k| rays(k, turned == Some(k)));
-            essential_rms(&each.collect::<Vec<_>>())
+            let each = (0..8).flat_map(|k| pixels(k, turned == Some(k)));
+            affine_rms_px(&each.collect::<Vec<_>>())
         };
-        let turned: Vec<f64> = (0..8).map(|k| all(Some(k)) / all(None)).collect();
-        for outcome in &outcomes {
-            println!(
-                "slug: {} {:?}",
-                outcome.corners().len(),
-                outcome.result.as_ref().err()
-            );
-        }
+        let paired: Vec<usize> = (0..8).filter(|k| outcomes[*k].result.is_ok()).collect();
+        let turned = paired.iter().map(|k| all(Some(*k)));
+        let least = turned.fold(f64::INFINITY, f64::min);
         println!(
-            "slug: {} rad; with one shot turned {turned:.1?} times that",
+            "slug {name}: {} of 8 paired, {:.1} px from one affine map; with any one shot turned \
+             {least:.1} px",
+            paired.len(),
             all(None)
         );
+        for outcome in outcomes.iter().filter(|outcome| outcome.result.is_err()) {
+            println!("  shot {}: {:?}", outcome.shot, outcome.result);
+        }
+        assert!(paired.len() >= 7, "{paired:?}");
+        // The boards hardly move, so that one map holds all shots to a few px; turned round, corners
+        // of a shot would lie up to 100 px off.
+        assert!(all(None) < 5.0 && least > 20.0, "{} {least}", all(None));
+        // The left picture of each shot with the right one of the next. Boards that hardly move are
+        // within 4 degrees of each other; the shots among themselves tell.
+        let late = seen[0].iter().zip(seen[1].iter().cycle().skip(1));
+        let late: Vec<[Sighting; 2]> = late.map(|(a, b)| [a.clone(), b.clone()]).collect();
+        let outcomes = match_boards(lenses, &targets, &late, relative);
+        let paired = outcomes.iter().filter(|outcome| outcome.result.is_ok());
+        let paired = paired.count();
+        println!("  out of step by one: {paired} of 8 paired");
+        assert!(paired == 0 || relative.is_some());
     }
 }

@@ -1,6 +1,6 @@
 //! Where a flat board is, from rays: any lens, any angle off axis.
 
-use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{Matrix2, Matrix3, Matrix6, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6};
 use tectum_calibrate::BoardPose;
 use tectum_optics::rotation_vector;
 
@@ -17,11 +17,15 @@ pub struct Sight {
 
 /// Steps of the refinement, at most.
 const STEPS: usize = 30;
+/// What is left of a board that was found, rad RMS: half a pixel of a coarse eye. More, and other
+/// starts are tried.
+const FITS_RAD: f64 = 4e-3;
 
 /// Pose whose points lie on the rays in the sense of least squares of angles, and what it leaves,
 /// rad RMS. `None` if there are too few rays or they fix nothing.
 ///
-/// Both tilts that look much alike are tried, as nothing but the residual tells them apart.
+/// A board has two tilts that look much alike, and a small one seen through a lens that is not quite
+/// the one assumed has more: nothing but the residual tells them apart.
 pub fn board_pose(sights: &[Sight]) -> Option<(BoardPose, f64)> {
     let count = sights.len() as f64;
     let mean = sights.iter().map(|s| s.point_mm).sum::<Vector3<f64>>() / count.max(1.0);
@@ -38,10 +42,23 @@ pub fn board_pose(sights: &[Sight]) -> Option<(BoardPose, f64)> {
             ray: s.ray,
         })
         .collect();
-    let first = linear(&centred)?;
-    let starts = std::iter::once(first.clone()).chain(other_tilt(&first));
-    let refined = starts.map(|start| refine(start, &centred));
-    let (pose, square) = refined.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let first = linear(&centred);
+    let tilted = first.as_ref().and_then(other_tilt);
+    let least = |starts: Vec<BoardPose>| {
+        let refined = starts.into_iter().map(|start| refine(start, &centred));
+        refined.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let mut found: Vec<_> = Vec::from_iter(least(first.into_iter().chain(tilted).collect()));
+    if found
+        .iter()
+        .all(|found| found.1 > count * FITS_RAD * FITS_RAD)
+    {
+        found.extend(least(facing(&centred)));
+    }
+    let best = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let other = other_tilt(&best.0).map(|start| refine(start, &centred));
+    let both = std::iter::once(best).chain(other);
+    let (pose, square) = both.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let pose = BoardPose {
         rotation: pose.rotation,
         position_mm: pose.position_mm * scale - pose.rotation * mean,
@@ -77,6 +94,53 @@ fn linear(sights: &[Sight]) -> Option<BoardPose> {
         rotation: nearest_rotation(&Matrix3::from_columns(&axes))?,
         position_mm: t / scale,
     })
+}
+
+/// The board square to its line of sight, as large and turned as the rays' spread says, and tilted from
+/// there by half a radian to four sides.
+fn facing(sights: &[Sight]) -> Vec<BoardPose> {
+    let mean = sights.iter().map(|s| s.ray).sum::<Vector3<f64>>();
+    let Some(ahead) = mean.try_normalize(1e-9) else {
+        return Vec::new();
+    };
+    let [right, down] = tangents(&ahead);
+    let (mut spread, mut mixed) = (Matrix2::zeros(), Matrix2::zeros());
+    for sight in sights {
+        let (point, ray) = (sight.point_mm.xy(), sight.ray);
+        let seen = Vector2::new(right.dot(&ray), down.dot(&ray));
+        spread += point * point.transpose();
+        mixed += seen * point.transpose();
+    }
+    let Some(inverse) = spread.try_inverse() else {
+        return Vec::new();
+    };
+    let map = mixed * inverse;
+    let scale = map.determinant().abs().sqrt();
+    // Its nearest rotation, or reflection where the labels run the other way round.
+    let side = map.determinant().signum();
+    let (sine, cosine) = (map.m21 - side * map.m12, map.m11 + side * map.m22);
+    let length = libm::hypot(sine, cosine);
+    if !(scale > 1e-12 && length > 1e-12) {
+        return Vec::new();
+    }
+    let (s, c) = (sine / length, cosine / length);
+    let axes = Matrix3::from_columns(&[right, down, ahead]);
+    let square = axes * Matrix3::new(c, -side * s, 0.0, s, side * c, 0.0, 0.0, 0.0, side);
+    let tilts = [[0.0, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]];
+    let poses = tilts.map(|[x, y]| BoardPose {
+        rotation: rotation_vector(&(right * x + down * y))
+            * Rotation3::from_matrix_unchecked(square),
+        position_mm: ahead / scale,
+    });
+    poses.to_vec()
+}
+
+/// Two unit vectors at right angles to one and to each other, right-handed with it.
+fn tangents(ahead: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let mut other = Vector3::zeros();
+    other[ahead.iamin()] = 1.0;
+    let right = other.cross(ahead).normalize();
+    [right, ahead.cross(&right)]
 }
 
 /// The board's normal mirrored about the line of sight.
@@ -147,4 +211,52 @@ fn refine(mut pose: BoardPose, sights: &[Sight]) -> (BoardPose, f64) {
         }
     }
     (pose, least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sights(pose: &BoardPose, count: i32) -> Vec<Sight> {
+        let labels = (0..count).flat_map(|j| (0..count).map(move |i| (i, j)));
+        let points = labels.map(|(i, j)| Vector3::new(f64::from(i), f64::from(j), 0.0) * 20.0);
+        points
+            .map(|point_mm| Sight {
+                point_mm,
+                ray: pose.apply(&point_mm).normalize(),
+            })
+            .collect()
+    }
+
+    #[test]
+    fn poses_come_back_wherever_the_board_is() {
+        for k in 0..40 {
+            let angle = f64::from(k);
+            let tilt = Vector3::new(libm::sin(3.1 * angle), libm::cos(1.7 * angle), angle);
+            // In front, at the side, behind.
+            let towards = rotation_vector(&Vector3::new(0.05 * angle, 0.02 * angle, 0.0));
+            let pose = BoardPose {
+                rotation: towards * rotation_vector(&(tilt * 0.6)),
+                position_mm: towards * Vector3::new(-20.0, -30.0, 300.0),
+            };
+            let (found, rms) = board_pose(&sights(&pose, 3 + k % 4)).unwrap();
+            // Exact rays: rounding, made worse by how little a small board fixes its tilt.
+            assert!(rms < 1e-9, "{k}: {rms}");
+            assert!((found.position_mm - pose.position_mm).norm() < 1e-3, "{k}");
+            assert!(
+                (found.rotation.matrix() - pose.rotation.matrix()).norm() < 1e-4,
+                "{k}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_row_of_points_has_no_pose() {
+        let pose = BoardPose {
+            rotation: Rotation3::identity(),
+            position_mm: Vector3::new(0.0, 0.0, 300.0),
+        };
+        assert_eq!(board_pose(&sights(&pose, 1)), None);
+        assert_eq!(board_pose(&[]), None);
+    }
 }

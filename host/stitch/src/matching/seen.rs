@@ -1,5 +1,7 @@
 //! Which board of a picture is which target, where it is, and how it is labelled.
 
+use std::collections::BTreeSet;
+
 use tectum_calibrate::target::Target;
 use tectum_calibrate::{Board, BoardPose, View};
 use tectum_optics::Eye;
@@ -61,7 +63,7 @@ pub fn boards(
             None => {
                 let free = |k: &usize| poses[*k].is_some() && !claimed.contains(k);
                 let free: Vec<usize> = (0..poses.len()).filter(free).collect();
-                match free[..] {
+                match outstanding(&free, sighting)[..] {
                     [index] => (index, None),
                     [] if sighting.mirrored => return Err(Refusal::Mirrored { eye: name }),
                     [] => return Err(Refusal::NoBoard { eye: name }),
@@ -84,6 +86,35 @@ pub fn boards(
         })
     });
     results.collect()
+}
+
+/// The one board that has twice the corners of any other, which may be parts of it; all, if there is
+/// none.
+fn outstanding(boards: &[usize], sighting: &Sighting) -> Vec<usize> {
+    let count = |k: usize| sighting.boards[k].view.corners.len();
+    let largest = boards.iter().copied().max_by_key(|k| count(*k));
+    let alone = |one: usize| {
+        let mut others = boards.iter().filter(|k| **k != one);
+        others.all(|k| 2 * count(*k) <= count(one))
+    };
+    match largest.filter(|one| alone(*one)) {
+        Some(one) => vec![one],
+        None => boards.to_vec(),
+    }
+}
+
+/// The largest of several parts of one board that something cuts: no label is in two of them.
+fn largest_part(placed: &[(usize, Placement)], sighting: &Sighting) -> Option<(usize, Placement)> {
+    let mut labels = BTreeSet::new();
+    for (k, placement) in placed {
+        for label in placement::labels(&sighting.boards[*k].view) {
+            if !labels.insert(placement.apply(label)) {
+                return None;
+            }
+        }
+    }
+    let count = |(k, _): &&(usize, Placement)| sighting.boards[*k].view.corners.len();
+    placed.iter().max_by_key(count).copied()
 }
 
 /// By board of the sighting: its pose if it has the target's size.
@@ -170,8 +201,10 @@ fn by_marker(
             }
         }
     }
+    if let Some(part) = largest_part(&placed, sighting) {
+        return Some(Ok(part));
+    }
     Some(match (&placed[..], against, refused) {
-        ([one], _, _) => Ok(*one),
         ([], Some(vote), _) => Err(Refusal::MarkerDisagrees { eye: name, vote }),
         ([], None, Some(refusal)) => Err(refusal),
         ([], None, None) => Err(Refusal::NoBoard { eye: name }),

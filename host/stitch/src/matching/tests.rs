@@ -340,6 +340,31 @@ fn several_boards_are_told_by_their_markers() {
     }
 }
 
+#[test]
+fn a_board_cut_in_two_gives_its_larger_part() {
+    let (rig, target) = (rig(), target(8, 6, 3));
+    let mut noise = Noise::new(8);
+    let pose = placed(&target, 0.1, &mut noise);
+    let mut part = |keep: &dyn Fn(u16, u16) -> bool, turns: u8, marker: bool| {
+        let how = how(keep, turns, marker);
+        eyes(&rig).map(|eye| sighting(eye, &target, &pose, &how, &mut noise))
+    };
+    for marker in [true, false] {
+        let [mut shot, small] = [
+            part(&|i, _| i < 4, 0, marker),
+            part(&|i, j| i > 4 && j < 4, 1, false),
+        ];
+        let [small, _] = small;
+        shot[0].boards.extend(small.boards);
+        // Where no marker tells, the small part could be another board: half of this one's corners.
+        let outcome = &run(&rig, &target, &[shot], Some(0.5))[0];
+        assert_eq!(wrong(&rig, &target, &pose, outcome, marker), 0);
+        if marker {
+            assert_eq!(outcome.corners().len(), 24, "{:?}", outcome.result);
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 

@@ -7,11 +7,14 @@ const STEPS: usize = 200;
 /// Share of the promised decrease that a step must give (Armijo 1966).
 const ARMIJO: f64 = 1e-4;
 
+/// Value and gradient at a place.
+type Function<'a, const N: usize> = dyn FnMut(&SVector<f64, N>) -> (f64, SVector<f64, N>) + 'a;
+
 /// Where a smooth function is least in the box `low..=high`, and its value there: the method of
 /// Broyden, Fletcher, Goldfarb and Shanno (1970) on the variables that no bound holds, steps
 /// projected onto the box (Bertsekas 1982). `f` gives value and gradient.
 pub fn minimise<const N: usize>(
-    f: &mut dyn FnMut(&SVector<f64, N>) -> (f64, SVector<f64, N>),
+    f: &mut Function<'_, N>,
     start: SVector<f64, N>,
     low: &SVector<f64, N>,
     high: &SVector<f64, N>,
@@ -69,9 +72,8 @@ pub fn minimise<const N: usize>(
 }
 
 /// Halves a step until it gains enough.
-#[allow(clippy::type_complexity)]
 fn search<const N: usize>(
-    f: &mut dyn FnMut(&SVector<f64, N>) -> (f64, SVector<f64, N>),
+    f: &mut Function<'_, N>,
     x: &SVector<f64, N>,
     value: f64,
     slope: &SVector<f64, N>,

@@ -20,6 +20,7 @@ mod boards;
 mod consensus;
 mod diagnose;
 mod error;
+mod measure;
 mod parallax;
 pub mod planar;
 mod refine;
@@ -28,8 +29,6 @@ pub(crate) mod rotations;
 mod tests;
 mod tie;
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 use tectum_optics::convention::angle_between;
 use tectum_optics::{Pose, Rig, RigEye};
@@ -37,9 +36,11 @@ use tectum_optics::{Pose, Rig, RigEye};
 use crate::Eyes;
 use consensus::{Consensus, Sample};
 pub use error::RegistrationError;
+pub use measure::ShotFit;
+use measure::{angle_rad, px_per_rad};
 pub use parallax::Parallax;
 use refine::Problem;
-use tie::{Look, Mount, Rays};
+use tie::{Mount, Rays};
 pub use tie::{Range, Tie};
 
 /// How to register.
@@ -47,7 +48,7 @@ pub use tie::{Range, Tie};
 pub struct Options {
     /// Seed of the samples.
     pub seed: u64,
-    /// Pairs whose sights differ by less agree, rad.
+    /// Pairs whose sights differ by less agree, rad; or by less than a pixel, if that is more.
     pub threshold_rad: f64,
     /// Largest turn of the eyes against each other, rad.
     pub most_turn_rad: f64,
@@ -55,7 +56,9 @@ pub struct Options {
     pub nearest_m: f64,
     /// Residual from which on Eq. 6 counts lengths and not squares, px.
     pub smooth_px: f64,
-    /// Standard deviation of the rig's baseline direction against both eyes, rad.
+    /// Standard deviation of the rig's baseline direction against both eyes, rad. Points at one
+    /// range cannot tell it from a turn of the eyes against each other but by how it varies over
+    /// the field.
     pub common_sigma_rad: f64,
     /// Standard deviation of the lenses' scales; `None` holds them.
     pub scale_sigma: Option<f64>,
@@ -69,7 +72,7 @@ impl Default for Options {
             most_turn_rad: 15f64.to_radians(),
             nearest_m: 0.15,
             smooth_px: 0.5,
-            common_sigma_rad: 2f64.to_radians(),
+            common_sigma_rad: 0.5f64.to_radians(),
             // A calibrated eye's rim is sure to some 0.02 degrees; looser, and a scale passes for a
             // turn.
             scale_sigma: Some(3e-4),
@@ -81,19 +84,6 @@ impl Default for Options {
 const LEAST_TIES: usize = 6;
 /// Least share of the pairs that must agree: of random ones less than a tenth do.
 const LEAST_SHARE: f64 = 0.15;
-
-/// What a shot contributed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ShotFit {
-    /// Shot, 0-based.
-    pub shot: usize,
-    /// Pairs given.
-    pub pairs: usize,
-    /// Pairs that agree.
-    pub inliers: usize,
-    /// Reprojection of those, px RMS; 0 without any.
-    pub rms_px: f64,
-}
 
 /// Two eyes registered.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -160,8 +150,12 @@ pub fn register(
         rays: &rays,
         rotations: eyes.map(|eye| eye.pose.rotation),
     };
-    let consensus = agreed(&sample, ties, options)?;
     let px_per_rad = px_per_rad(&mount, &seen);
+    let options = &Options {
+        threshold_rad: options.threshold_rad.max(1.0 / px_per_rad),
+        ..*options
+    };
+    let consensus = agreed(&sample, ties, options)?;
     let mut problem = Problem {
         mount: &mount,
         rig: eyes,
@@ -224,39 +218,6 @@ pub fn register(
     Ok(registration)
 }
 
-impl Registration {
-    /// Fills in what is left of the residuals.
-    fn measure(&mut self, mount: &Mount<'_>, ties: &[Tie], look: &Look) {
-        let mut shots = BTreeMap::<usize, (usize, usize, f64)>::new();
-        let (mut angles, mut count) = (0.0, 0usize);
-        for (tie, inlier) in ties.iter().zip(&self.inliers) {
-            let shot = shots.entry(tie.pair.shot).or_default();
-            shot.0 += 1;
-            let angle = inlier.then(|| angle_rad(mount, tie, look)).flatten();
-            self.residuals_deg.push(angle.map(f64::to_degrees));
-            if !inlier {
-                continue;
-            }
-            shot.1 += 1;
-            shot.2 += reprojection_px(mount, tie, look).map_or(0.0, |[a, b]| (a * a + b * b) / 2.0);
-            angles += angle.map_or(0.0, |angle| angle * angle);
-            count += 1;
-        }
-        let root = |sum: f64, count: usize| (sum / count.max(1) as f64).sqrt();
-        self.rms_deg = root(angles, count).to_degrees();
-        self.rms_px = root(shots.values().map(|shot| shot.2).sum(), count);
-        self.shots = shots
-            .into_iter()
-            .map(|(shot, (pairs, inliers, sum))| ShotFit {
-                shot,
-                pairs,
-                inliers,
-                rms_px: root(sum, inliers),
-            })
-            .collect();
-    }
-}
-
 /// Refuses eyes that cannot see the same, however they turn.
 fn check_overlap(eyes: &Eyes<&RigEye>, options: &Options) -> Result<(), RegistrationError> {
     let [left, right] = eyes.map(|eye| eye.pose.optical_axis());
@@ -307,54 +268,4 @@ fn agreed(
     } else {
         RegistrationError::NoConsensus { inliers, pairs }
     }))
-}
-
-/// Angle of a tie's residual, rad.
-fn angle_rad(mount: &Mount<'_>, tie: &Tie, look: &Look) -> Option<f64> {
-    let rays = mount.rays(tie, look.log_scales)?;
-    let off = mount.residual(tie, &rays, look).off.norm();
-    Some(2.0 * libm::asin((off / 2.0).min(1.0)))
-}
-
-/// Distance, in each eye's picture, between where it sees a point and where the point is by the
-/// other eye, px.
-fn reprojection_px(mount: &Mount<'_>, tie: &Tie, look: &Look) -> Option<Eyes<f64>> {
-    let rays = mount.rays(tie, look.log_scales)?;
-    let inverse = mount.residual(tie, &rays, look).inverse;
-    let pixels = tie.pixels();
-    let miss = |eye: usize| {
-        let other = 1 - eye;
-        let shift = (mount.centres_m[other] - mount.centres_m[eye]) * inverse[other];
-        let point = look.rotations[other] * rays.rays[other] + shift;
-        let model = &mount.eyes[eye].model;
-        let pixel = model
-            .project(&(look.rotations[eye].inverse() * point))
-            .ok()?;
-        let (centre, scale) = (model.principal_point_px(), libm::exp(look.log_scales[eye]));
-        let [x, y] =
-            [0, 1].map(|k: usize| centre[k] + scale * (pixel[k] - centre[k]) - pixels[eye][k]);
-        Some(libm::hypot(x, y))
-    };
-    Some([miss(0)?, miss(1)?])
-}
-
-/// Pixels to a radian where the ties lie, the median over both eyes.
-fn px_per_rad(mount: &Mount<'_>, ties: &[Tie]) -> f64 {
-    let scale = |eye: usize, [x, y]: [f64; 2]| {
-        let model = &mount.eyes[eye].model;
-        let here = model.unproject([x, y]).ok()?;
-        let steps = [[1.0, 0.0], [0.0, 1.0]].map(|[u, v]| {
-            let next = model.unproject([x + u, y + v]).ok();
-            next.map(|next| angle_between(&here, &next))
-        });
-        let area = steps[0]? * steps[1]?;
-        (area > 0.0).then(|| 1.0 / area.sqrt())
-    };
-    let both = ties.iter().flat_map(|tie| {
-        let pixels = tie.pixels();
-        [scale(0, pixels[0]), scale(1, pixels[1])]
-    });
-    let mut scales: Vec<f64> = both.flatten().collect();
-    scales.sort_by(f64::total_cmp);
-    scales.get(scales.len() / 2).copied().unwrap_or(1.0)
 }

@@ -78,9 +78,9 @@ impl Problem<'_> {
     /// Derivatives of a residual by the unknowns.
     fn slopes(&self, residual: &Residual, turns: &Eyes<Matrix3<f64>>) -> SMatrix<f64, 3, 8> {
         let mut by = SMatrix::<f64, 3, 8>::zeros();
-        for eye in 0..2 {
+        for (eye, turn) in turns.iter().enumerate() {
             by.fixed_columns_mut::<3>(3 * eye)
-                .copy_from(&(residual.by_turn[eye] * turns[eye]));
+                .copy_from(&(residual.by_turn[eye] * turn));
             if self.scale_sigma.is_some() {
                 by.set_column(6 + eye, &residual.by_scale[eye]);
             }

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::plane::Plane;
 use super::saddle::{Saddle, fit};
-use super::{BoardMissing, detect};
+use super::{BoardMissing, detect, detect_all};
 use crate::BoardSize;
 
 /// A crossing of two straight edges, blurred by a Gaussian of 1 px, by its closed form.
@@ -105,6 +105,37 @@ fn labels_of_a_drawn_board_run_from_its_black_corner() {
             assert!(off[0] < 0.02 && off[1] < 0.02, "turn {turns}: {off:?}");
         }
     }
+}
+
+#[test]
+fn every_board_of_a_picture_is_found_once() {
+    let parts = [board(7, 4, 20, 0), board(7, 4, 16, 1), board(5, 5, 18, 0)];
+    let height = parts
+        .iter()
+        .map(GrayImage::height)
+        .max()
+        .unwrap_or_default();
+    let width = parts.iter().map(GrayImage::width).sum();
+    let mut picture = GrayImage::from_pixel(width, height, Luma([220]));
+    let mut from = 0;
+    let mut ranges = Vec::new();
+    for part in &parts {
+        image::imageops::replace(&mut picture, part, from.into(), 0);
+        ranges.push(f64::from(from)..f64::from(from + part.width()));
+        from += part.width();
+    }
+    let views = detect_all(&picture, "7x4".parse().expect("a size"));
+    // Five rows of five corners are no part of four rows.
+    let corners: Vec<usize> = views.iter().map(|view| view.corners.len()).collect();
+    assert_eq!(corners, [28, 28]);
+    for range in &ranges[..2] {
+        let inside = |view: &&crate::View| {
+            let places = view.corners.iter().map(|corner| corner.position_px[0]);
+            places.into_iter().all(|x| range.contains(&x))
+        };
+        assert_eq!(views.iter().filter(inside).count(), 1);
+    }
+    assert!(detect_all(&GrayImage::new(10, 10), "7x4".parse().expect("a size")).is_empty());
 }
 
 #[test]

@@ -71,8 +71,9 @@ pub enum PlanarError {
     NoHalf,
 }
 
-/// Fewest pairs that must agree: twice what a homography needs.
+/// Fewest pairs that must agree: twice what a homography needs, and a share that chance does not give.
 const LEAST_PAIRS: usize = 8;
+const LEAST_SHARE: f64 = 0.1;
 /// Product of `1 + eigenvalue` below which a homography has no half; 8 for a mere shift.
 const LEAST_HALF: f64 = 0.1;
 /// Half of the width over which the left picture fades into the right one, px.
@@ -155,11 +156,12 @@ pub fn fit(
     let count = found
         .as_ref()
         .map_or(0, |found| found.1.iter().filter(|inlier| **inlier).count());
-    let Some((h, agreeing)) = found.filter(|_| count >= LEAST_PAIRS) else {
+    let needed = LEAST_PAIRS.max((LEAST_SHARE * seen.len() as f64).ceil() as usize);
+    let Some((h, agreeing)) = found.filter(|_| count >= needed) else {
         return Err(PlanarError::NoConsensus {
             inliers: count,
             pairs: seen.len(),
-            needed: LEAST_PAIRS,
+            needed,
         });
     };
     let [h1, h2] = halves(&h).ok_or(PlanarError::NoHalf)?;
@@ -208,7 +210,8 @@ impl Planar {
             bilinear(pictures[eye], eyes[eye].eye.project(&ray).ok()?)
         };
         let [low, high] = self.bounds(&warps);
-        let size = (high - low).map(|side| side.ceil().max(1.0) as u32);
+        // Rounding adds no pixel.
+        let size = (high - low).map(|side| (side - 1e-6).ceil().max(1.0) as u32);
         Ok(RgbImage::from_fn(size.x, size.y, |x, y| {
             let at = low + Vector2::new(f64::from(x), f64::from(y));
             let share = ((at.x - self.middle_px[0]) / (2.0 * FADE_PX) + 0.5).clamp(0.0, 1.0) as f32;
