@@ -107,6 +107,7 @@ impl Args {
                 "--gradient-weight" => options.energy.gradient_weight = value.parse()?,
                 "--sigmoid" => options.energy.sigmoid_per_level = Some(value.parse()?),
                 "--length" => options.energy.length_levels = value.parse()?,
+                "--border" => options.energy.border_levels = value.parse()?,
                 "--narrowest" => options.feather.narrowest_px = value.parse()?,
                 "--widest" => options.feather.widest_px = value.parse()?,
                 "--visible-levels" => options.feather.visible_levels = value.parse()?,

@@ -15,6 +15,9 @@ pub struct EnergyOptions {
     pub sigmoid_per_level: Option<f32>,
     /// What the shortness of the cut counts: grey levels added to every pixel's energy.
     pub length_levels: f32,
+    /// What keeping to the middle of the overlap counts, where there is room for a transition: grey
+    /// levels added at the overlap's border, less towards its middle by the square.
+    pub border_levels: f32,
 }
 
 impl Default for EnergyOptions {
@@ -23,6 +26,7 @@ impl Default for EnergyOptions {
             gradient_weight: 0.1,
             sigmoid_per_level: None,
             length_levels: 1.0,
+            border_levels: 2.0,
         }
     }
 }
@@ -141,8 +145,13 @@ pub fn lattice(
     let grid = Gray {
         size_px: overlap.size_px,
         wraps: overlap.wraps,
-        values: (energy.iter().zip(&overlap.dearness))
-            .map(|(e, d)| (e + options.length_levels) * d)
+        values: (energy.iter().enumerate())
+            .map(|(i, energy)| {
+                let outwards = overlap.outwards[i];
+                energy * overlap.dearness[i]
+                    + options.length_levels
+                    + options.border_levels * outwards * outwards
+            })
             .collect(),
     };
     let cost = |i: usize, by| {

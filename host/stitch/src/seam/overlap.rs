@@ -19,13 +19,13 @@ pub struct Overlap {
     pub sides: Vec<Side>,
     /// What the energy of each pixel is multiplied by, 1 or more.
     pub dearness: Vec<f32>,
+    /// How far out each pixel is: 0 in the middle of the overlap, 1 at its border.
+    pub outwards: Vec<f32>,
 }
 
 impl Overlap {
     /// What the fields of both eyes leave open. Within `margin_px` of the border of one eye's field
-    /// the other eye shows the picture: the rim of a lens is dark and soft. Towards a border a cut
-    /// gets up to twice as dear, by the square of the way out from the deepest pixel: so where the
-    /// pictures leave it open it keeps to the middle, with room for a transition.
+    /// the other eye shows the picture: the rim of a lens is dark and soft.
     pub fn new(views: &Views, margin_px: f64) -> Self {
         let (size_px, wraps) = (views.size_px(), views.wraps());
         let rims = [0, 1].map(|eye: usize| {
@@ -50,15 +50,13 @@ impl Overlap {
             .map(inmost)
             .filter(|d| d.is_finite())
             .fold(1.0, f64::max);
-        let dearness = |i: usize| {
-            let outwards = 1.0 - (inmost(i) / deepest).min(1.0);
-            1.0 + (outwards * outwards) as f32
-        };
+        let outwards = |i: usize| (1.0 - (inmost(i) / deepest).min(1.0)) as f32;
         let mut overlap = Self {
             size_px,
             wraps,
             sides: pixels.clone().map(side).collect(),
-            dearness: pixels.map(dearness).collect(),
+            dearness: vec![1.0; pixels.len()],
+            outwards: pixels.map(outwards).collect(),
         };
         // The tips of the fields' crescents crumble into specks. They are one eye's alone, whatever
         // the cut says; taken for pieces of their own they would only hinder it.
