@@ -84,6 +84,12 @@ impl<'a, F: PixelFormat> Frame<'a, F> {
         [self.width_px, self.height_px]
     }
 
+    /// The bytes of the pixel at `[x, y]`, and what follows them.
+    pub(crate) fn pixel(&self, [x, y]: [u16; 2]) -> Option<&'a [u8]> {
+        let at = usize::from(y) * self.stride_bytes + usize::from(x) * F::BYTES_PER_PIXEL;
+        self.data.get(at..)
+    }
+
     pub(crate) fn data(&self) -> &'a [u8] {
         self.data
     }

@@ -1,6 +1,8 @@
 //! The part of Tectum that runs on the fish: stitches two fisheye frames into one picture and
 //! answers where a pixel looks, from precomputed tables alone.
 //!
+//! [`Exposure`] follows how one eye's exposure drifts against the other's, where a caller wants it.
+//!
 //! No allocator, no float per pixel, no panic path, no state beyond a few words on the stack.
 //! Every result is exactly specified in `tables/FORMAT.md`, so it is the same on every machine.
 //!
@@ -23,18 +25,22 @@
 #![cfg_attr(not(test), no_std)]
 
 mod direction;
+mod exposure;
 mod format;
 mod frame;
 mod kernel;
 mod lookup;
 mod stitcher;
+mod tone;
 
 pub use direction::{BinaryAngle, Direction};
+pub use exposure::{Exposure, Gains, Meter};
 pub use format::{Gray8, PixelFormat, Rgb8, Rgb565, Yuyv};
 pub use frame::{Frame, FrameError};
 pub use lookup::Lookup;
 pub use stitcher::{Sampler, StitchError, Stitcher};
-pub use tectum_tables::{Eye, TableError, Tables};
+pub use tectum_tables::{Channel, Curve, Eye, TableError, Tables};
+pub use tone::Tone;
 
 /// Compiles the README's example.
 #[cfg(doctest)]

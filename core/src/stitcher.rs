@@ -7,6 +7,7 @@ use tectum_tables::{Eye, Ramp, Run, RunKind, Tables};
 use crate::Frame;
 use crate::format::PixelFormat;
 use crate::kernel::{Bilinear, Nearest, Source};
+use crate::tone::{Curves, Tone, of_table};
 
 /// How source pixels are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +59,21 @@ impl core::fmt::Display for StitchError {
 
 impl core::error::Error for StitchError {}
 
+/// Whether `frame` is one that the table's `eye` was made for; any will do for an eye that it does
+/// not show.
+pub(crate) fn check_source<F: PixelFormat>(
+    frame: &Frame<'_, F>,
+    tables: &Tables<'_>,
+    eye: Eye,
+) -> Result<(), StitchError> {
+    match tables.source_size_px(eye) {
+        Some(expected_px) if expected_px != frame.size_px() => {
+            Err(StitchError::SourceSize { eye, expected_px })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Pixels that are blended together: enough to make starting a stretch cheap beside sampling it.
 const STRETCH_PX: usize = 64;
 const MAX_BYTES_PER_PIXEL: usize = 3;
@@ -68,10 +84,13 @@ const MAX_BYTES_PER_PIXEL: usize = 3;
 /// [`Stitcher::frame`]); or one eye at a time through a single frame buffer:
 /// [`Stitcher::left_row`] for all rows, then [`Stitcher::right_row`] for all rows over the same
 /// output. Holds no pixels; a few hundred bytes of stack.
+///
+/// What an eye gives goes through the table's tone curves, where it has any, before it is blended.
 #[derive(Debug, Clone, Copy)]
 pub struct Stitcher<'t, F> {
     tables: &'t Tables<'t>,
     sampler: Sampler,
+    curves: [Curves<'t>; 2],
     format: PhantomData<F>,
 }
 
@@ -85,11 +104,19 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
             Ok(Self {
                 tables,
                 sampler,
+                curves: Eye::BOTH.map(|eye| of_table::<F>(tables, eye)),
                 format: PhantomData,
             })
         } else {
             Err(StitchError::OutputWidth)
         }
+    }
+
+    /// The same stitcher with the curves of `tone` in place of the table's.
+    #[must_use]
+    pub fn with_tone(self, tone: &'t Tone<F>) -> Self {
+        let curves = Eye::BOTH.map(|eye| tone.curves(eye));
+        Self { curves, ..self }
     }
 
     /// Bytes in an output row.
@@ -209,7 +236,7 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
         }
     }
 
-    /// Samples the pixels of `run` into `out` from column `start`.
+    /// Samples the pixels of `run` into `out` from column `start`, toned.
     fn span(&self, source: Source<'_>, eye: Eye, y: u16, run: Run, out: &mut [u8], start: usize) {
         let Some(mesh) = self.tables.mesh(eye) else {
             return;
@@ -218,6 +245,14 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
         match self.sampler {
             Sampler::Nearest => F::span::<Nearest>(source, segments, out, start),
             Sampler::Bilinear => F::span::<Bilinear>(source, segments, out, start),
+        }
+        let [left, right] = &self.curves;
+        let curves = match eye {
+            Eye::Left => left,
+            Eye::Right => right,
+        };
+        if curves.iter().any(Option::is_some) {
+            F::tone(out, start, run.len as usize, curves);
         }
     }
 

@@ -38,6 +38,8 @@ fn table(like: &Tables, run: RunData) -> Result<Vec<u8>, Box<dyn Error>> {
             v_q28: [0, 1 << 20],
         },
         rays: [None, None],
+        tone: Default::default(),
+        meter_pairs: Vec::new(),
         metadata: String::new(),
     };
     let bytes = builder.to_bytes()?;

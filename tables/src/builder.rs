@@ -4,16 +4,16 @@ use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use zerocopy::IntoBytes;
 use zerocopy::little_endian::{I16, I32, U16, U32};
+use zerocopy::{FromBytes, IntoBytes};
 
 use crate::error::Tag;
 use crate::layout::{
-    CRC_OFFSET, EyeRaysHeader, Header, MAGIC, MeshHeader, OutputMapLayout, SectionEntry,
-    VERSION_MAJOR, Vertex,
+    CRC_OFFSET, EyeRaysHeader, Header, MAGIC, MeshHeader, MeterPair, OutputMapLayout, SectionEntry,
+    ToneHeader, VERSION_MAJOR, VERSION_MINOR, VERSION_MINOR_TONE, Vertex,
 };
 use crate::view::checksum;
-use crate::{Eye, ProjectionKind};
+use crate::{Channel, Curve, Eye, ProjectionKind};
 
 /// The mesh of one eye, owned. Fields as in [`crate::Mesh`].
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -122,6 +122,9 @@ pub struct EyeRaysData {
     pub decentring_q44: Option<[i32; 2]>,
 }
 
+/// Curves of one eye, at the index of their [`Channel`]; `None` keeps values as they are.
+pub type ToneData = [Option<Curve>; Channel::ALL.len()];
+
 /// A table to be written. Build it up, then call [`TableBuilder::to_bytes`].
 ///
 /// What is written is not checked here: [`crate::Tables::parse`] is the one place that decides.
@@ -139,6 +142,10 @@ pub struct TableBuilder {
     pub output_map: OutputMapData,
     /// Raw eye pixel to direction: left, right.
     pub rays: [Option<EyeRaysData>; 2],
+    /// Tone curves: left, right. No section is written if there is none.
+    pub tone: [ToneData; 2],
+    /// Pixels of both frames that see the same. No section is written if there is none.
+    pub meter_pairs: Vec<MeterPair>,
     /// Free text; nothing is written if empty.
     pub metadata: String,
 }
@@ -177,6 +184,10 @@ impl TableBuilder {
         for (eye, rays) in Eye::BOTH.into_iter().zip(&self.rays) {
             sections.extend(rays.as_ref().map(|r| (Tag::rays(eye), rays_bytes(r))));
         }
+        sections.extend(tone_bytes(&self.tone).map(|bytes| (Tag::TONE, bytes)));
+        if !self.meter_pairs.is_empty() {
+            sections.push((Tag::METER_PAIRS, self.meter_pairs.as_bytes().to_vec()));
+        }
         if !self.metadata.is_empty() {
             sections.push((Tag::METADATA, self.metadata.as_bytes().to_vec()));
         }
@@ -184,6 +195,12 @@ impl TableBuilder {
     }
 
     fn assemble(&self, sections: &[(Tag, Vec<u8>)]) -> Vec<u8> {
+        let later = |(tag, _): &(Tag, _)| matches!(*tag, Tag::TONE | Tag::METER_PAIRS);
+        let version_minor = if sections.iter().any(later) {
+            VERSION_MINOR_TONE
+        } else {
+            VERSION_MINOR
+        };
         let header_length = size_of::<Header>() + sections.len() * size_of::<SectionEntry>();
         let mut directory = Vec::new();
         let mut body = Vec::new();
@@ -200,7 +217,7 @@ impl TableBuilder {
         let header = Header {
             magic: MAGIC,
             version_major: U16::new(VERSION_MAJOR),
-            version_minor: U16::new(0),
+            version_minor: U16::new(version_minor),
             file_length: U32::new((header_length + body.len()) as u32),
             crc32: U32::new(0),
             output_width_px: U16::new(self.output_size_px[0]),
@@ -215,6 +232,42 @@ impl TableBuilder {
         seal(&mut bytes);
         bytes
     }
+}
+
+/// `table` with one more section behind the others, sealed; it may have any tag and bytes.
+/// For tests and tools; the minor version stays. Does nothing to a string too short for its own
+/// directory.
+pub fn with_section(table: &[u8], tag: Tag, section: &[u8]) -> Vec<u8> {
+    const ENTRY: usize = size_of::<SectionEntry>();
+    let parts = Header::read_from_prefix(table)
+        .ok()
+        .and_then(|(header, rest)| {
+            let directory = ENTRY * usize::from(header.section_count.get());
+            Some((header, rest.split_at_checked(directory)?))
+        });
+    let Some((mut header, (directory, body))) = parts else {
+        return table.to_vec();
+    };
+    let mut entries = Vec::new();
+    for entry in directory.as_chunks::<ENTRY>().0 {
+        let mut entry: SectionEntry = zerocopy::transmute!(*entry);
+        entry.offset += ENTRY as u32;
+        entries.push(entry);
+    }
+    let mut body = body.to_vec();
+    body.resize(body.len().next_multiple_of(4), 0);
+    entries.push(SectionEntry {
+        tag: tag.0,
+        offset: U32::new((size_of::<Header>() + directory.len() + ENTRY + body.len()) as u32),
+        length: U32::new(section.len() as u32),
+    });
+    body.extend_from_slice(section);
+    let length = size_of::<Header>() + ENTRY * entries.len() + body.len();
+    header.file_length = U32::new(length as u32);
+    header.section_count = U16::new(entries.len() as u16);
+    let mut bytes = [header.as_bytes(), entries.as_bytes(), &body].concat();
+    seal(&mut bytes);
+    bytes
 }
 
 /// Writes the right checksum into `bytes`, so that tests and fuzzers reach what lies behind it.
@@ -275,4 +328,22 @@ fn rays_bytes(rays: &EyeRaysData) -> Vec<u8> {
     let decentring = rays.decentring_q44.iter().flatten();
     bytes.extend(decentring.flat_map(|t| t.to_le_bytes()));
     bytes
+}
+
+fn tone_bytes(tone: &[ToneData; 2]) -> Option<Vec<u8>> {
+    let mut present = 0;
+    let mut curves = Vec::new();
+    for (eye, tone) in Eye::BOTH.into_iter().zip(tone) {
+        for (channel, curve) in Channel::ALL.into_iter().zip(tone) {
+            if let Some(curve) = curve {
+                present |= channel.bit(eye);
+                curves.extend_from_slice(curve);
+            }
+        }
+    }
+    let header = ToneHeader {
+        present: U16::new(present),
+        reserved: U16::new(0),
+    };
+    (present != 0).then(|| [header.as_bytes(), &curves].concat())
 }

@@ -21,6 +21,10 @@ impl Tag {
     pub const RAYS_LEFT: Tag = Tag(*b"rayl");
     /// Raw right-eye pixel to direction.
     pub const RAYS_RIGHT: Tag = Tag(*b"rayr");
+    /// Tone curves.
+    pub const TONE: Tag = Tag(*b"TONE");
+    /// Pixels of both eyes that see the same.
+    pub const METER_PAIRS: Tag = Tag(*b"pair");
     /// Free text about the table (UTF-8).
     pub const METADATA: Tag = Tag(*b"meta");
 

@@ -8,6 +8,10 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 pub const MAGIC: [u8; 4] = *b"TCTM";
 /// Major version this crate reads and writes.
 pub const VERSION_MAJOR: u16 = 1;
+/// Minor version of a table without any section that came later.
+pub const VERSION_MINOR: u16 = 0;
+/// Minor version that brought tone curves and metering pairs.
+pub const VERSION_MINOR_TONE: u16 = 1;
 /// Byte offset of the CRC-32 field, the only bytes that the CRC does not cover.
 pub const CRC_OFFSET: usize = 12;
 
@@ -114,4 +118,40 @@ pub struct EyeRaysHeader {
     pub radius_q16: U32,
     pub node_count: U16,
     pub flags: U16,
+}
+
+#[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug)]
+#[repr(C)]
+pub struct ToneHeader {
+    pub present: U16,
+    pub reserved: U16,
+}
+
+/// A pixel of the left and one of the right frame that see the same direction.
+#[derive(
+    FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug, PartialEq, Eq,
+)]
+#[repr(C)]
+pub struct MeterPair {
+    pub(crate) left: [U16; 2],
+    pub(crate) right: [U16; 2],
+}
+
+impl MeterPair {
+    /// A pair of pixels `[x, y]`.
+    pub const fn new(left: [u16; 2], right: [u16; 2]) -> Self {
+        let [[left_x, left_y], [right_x, right_y]] = [left, right];
+        Self {
+            left: [U16::new(left_x), U16::new(left_y)],
+            right: [U16::new(right_x), U16::new(right_y)],
+        }
+    }
+
+    /// The pixel `[x, y]` of an eye's frame.
+    pub fn pixel(&self, eye: Eye) -> [u16; 2] {
+        match eye {
+            Eye::Left => self.left.map(U16::get),
+            Eye::Right => self.right.map(U16::get),
+        }
+    }
 }

@@ -5,10 +5,13 @@ use zerocopy::little_endian::U16;
 
 use crate::error::{TableError, Tag};
 use crate::eye_rays::EyeRays;
-use crate::layout::{CRC_OFFSET, Eye, Header, MAGIC, OutputMapLayout, SectionEntry, VERSION_MAJOR};
+use crate::layout::{
+    CRC_OFFSET, Eye, Header, MAGIC, MeterPair, OutputMapLayout, SectionEntry, VERSION_MAJOR,
+};
 use crate::mesh::Mesh;
 use crate::output_map::OutputMap;
 use crate::runs::{Run, RunKind, Runs};
+use crate::tone::{Channel, Curve, ToneCurves, meter_pairs};
 
 /// Largest width and height of the output, px. It bounds the work of [`Tables::parse`].
 pub const MAX_OUTPUT_PX: u16 = 8192;
@@ -39,6 +42,8 @@ pub struct Tables<'a> {
     rays: [Option<EyeRays<'a>>; 2],
     runs: Runs<'a>,
     output_map: OutputMap<'a>,
+    tone: ToneCurves<'a>,
+    meter_pairs: &'a [MeterPair],
     metadata: &'a str,
 }
 
@@ -68,13 +73,15 @@ impl<'a> Tables<'a> {
         })?;
         let [mesh_left, mesh_right] = sections.mesh;
         let [rays_left, rays_right] = sections.rays;
+        let mesh = [
+            mesh_left.map(|b| Mesh::parse(b, Eye::Left)).transpose()?,
+            mesh_right.map(|b| Mesh::parse(b, Eye::Right)).transpose()?,
+        ];
+        let sizes_px = mesh.map(|mesh| mesh.map(|mesh| mesh.source_size_px()));
         let tables = Self {
             header,
             length: bytes.len(),
-            mesh: [
-                mesh_left.map(|b| Mesh::parse(b, Eye::Left)).transpose()?,
-                mesh_right.map(|b| Mesh::parse(b, Eye::Right)).transpose()?,
-            ],
+            mesh,
             rays: [
                 rays_left
                     .map(|b| EyeRays::parse(b, Eye::Left))
@@ -85,6 +92,10 @@ impl<'a> Tables<'a> {
             ],
             runs: Runs::new(words, header.output_height_px.get())?,
             output_map: OutputMap::parse(map)?,
+            tone: sections
+                .tone
+                .map_or(Ok(ToneCurves::default()), ToneCurves::parse)?,
+            meter_pairs: meter_pairs(sections.meter_pairs.unwrap_or(&[]), sizes_px)?,
             metadata: core::str::from_utf8(sections.metadata.unwrap_or(&[]))
                 .map_err(|_| TableError::Field { tag: Tag::METADATA })?,
         };
@@ -185,6 +196,16 @@ impl<'a> Tables<'a> {
         }
     }
 
+    /// Tone curve of a channel of an eye; `None` if its values stay as they are.
+    pub fn curve(&self, eye: Eye, channel: Channel) -> Option<&'a Curve> {
+        self.tone.curve(eye, channel)
+    }
+
+    /// Pixels of both frames that see the same, for metering; inside the frames, at most 1024.
+    pub fn meter_pairs(&self) -> &'a [MeterPair] {
+        self.meter_pairs
+    }
+
     /// Identity of the rig that made the table.
     pub fn rig_fingerprint(&self) -> [u8; 8] {
         self.header.rig_fingerprint
@@ -198,6 +219,11 @@ impl<'a> Tables<'a> {
     /// Length of the section of runs, bytes.
     pub fn runs_bytes(&self) -> usize {
         self.runs.length_bytes()
+    }
+
+    /// Length of the section of tone curves, bytes; 0 without one.
+    pub fn tone_bytes(&self) -> usize {
+        self.tone.length_bytes()
     }
 
     /// Length of the whole table, bytes.
@@ -235,6 +261,8 @@ struct Sections<'a> {
     rays: [Option<&'a [u8]>; 2],
     runs: Option<&'a [u8]>,
     output_map: Option<&'a [u8]>,
+    tone: Option<&'a [u8]>,
+    meter_pairs: Option<&'a [u8]>,
     metadata: Option<&'a [u8]>,
 }
 
@@ -263,6 +291,8 @@ impl<'a> Sections<'a> {
                 Tag::RAYS_RIGHT => rays_right,
                 Tag::RUNS => &mut sections.runs,
                 Tag::OUTPUT_MAP => &mut sections.output_map,
+                Tag::TONE => &mut sections.tone,
+                Tag::METER_PAIRS => &mut sections.meter_pairs,
                 Tag::METADATA => &mut sections.metadata,
                 _ if tag.is_critical() => return Err(TableError::Unknown { tag }),
                 _ => continue,

@@ -1,8 +1,8 @@
 //! Runs tables that nobody vouches for. Needs the core alone: the fuzz target builds this file, too.
 
 use tectum_core::{
-    Eye, Frame, Gray8, Lookup, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher, TableError, Tables,
-    Yuyv,
+    Exposure, Eye, Frame, Gray8, Lookup, Meter, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher,
+    TableError, Tables, Tone, Yuyv,
 };
 
 /// Parses `bytes`; a table that parses is run in every format and sampler over frames of exactly
@@ -42,7 +42,7 @@ fn pixels([width, height]: [u16; 2]) -> usize {
     usize::from(width) * usize::from(height)
 }
 
-/// Stitches a picture both ways. Formats that do not fit the sizes are refused, which is fine.
+/// Stitches a picture both ways, the second time with what metering gives. Formats that do not fit the sizes are refused, which is fine.
 fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
     let data = sources.map(|size| vec![1; pixels(size) * F::BYTES_PER_PIXEL]);
     let frame = |i: usize| {
@@ -57,6 +57,12 @@ fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
     let (Ok(left), Ok(right)) = (frame(0), frame(1)) else {
         return;
     };
+    let (mut meter, mut exposure) = (Meter::new(), Exposure::new(0));
+    for (eye, frame) in Eye::BOTH.into_iter().zip([&left, &right]) {
+        let _ = meter.read(tables, eye, frame);
+    }
+    exposure.update(&meter);
+    let tone = Tone::new(tables, exposure.gains());
     for sampler in [Sampler::Nearest, Sampler::Bilinear] {
         let Ok(stitcher) = Stitcher::new(tables, sampler) else {
             return;
@@ -64,6 +70,7 @@ fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
         let mut row = vec![0; stitcher.row_bytes()];
         for y in 0..tables.output_height_px() {
             let _ = stitcher.row(&left, &right, y, &mut row);
+            let stitcher = stitcher.with_tone(&tone);
             let _ = stitcher.left_row(&left, y, &mut row);
             let _ = stitcher.right_row(&right, y, &mut row);
         }

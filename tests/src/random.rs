@@ -2,8 +2,8 @@
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tectum_tables::ProjectionKind;
-use tectum_tables::builder::{MeshData, OutputMapData, RunData, TableBuilder};
+use tectum_tables::builder::{MeshData, OutputMapData, RunData, TableBuilder, ToneData};
+use tectum_tables::{MeterPair, ProjectionKind};
 
 /// The generator behind case `seed`, the same on every machine.
 pub fn rng(seed: u64) -> ChaCha8Rng {
@@ -18,7 +18,8 @@ pub fn frame(rng: &mut ChaCha8Rng, bytes: usize) -> Vec<u8> {
 }
 
 /// A random table of an output up to `max_px`: any step and fraction, meshes as wild as the
-/// source allows or pressed against a border, runs down to one pixel, rows of nothing.
+/// source allows or pressed against a border, runs down to one pixel, rows of nothing, tone curves
+/// and metering pairs or none.
 pub fn table(rng: &mut ChaCha8Rng, max_px: [u16; 2]) -> TableBuilder {
     let size = max_px.map(|side| rng.random_range(1..=side));
     let source = [0, 0].map(|_| rng.random_range(1..=20u16) * 2);
@@ -34,8 +35,28 @@ pub fn table(rng: &mut ChaCha8Rng, max_px: [u16; 2]) -> TableBuilder {
             v_q28: [0, 1],
         },
         rays: [None, None],
+        tone: [tone(rng), tone(rng)],
+        meter_pairs: pairs(rng, source),
         metadata: String::new(),
     }
+}
+
+/// No curves for one eye in three, else some of them: wild ones, so that one in the wrong place or
+/// order shows.
+fn tone(rng: &mut ChaCha8Rng) -> ToneData {
+    let likely = [0.0, 0.5, 1.0][rng.random_range(0..3)];
+    ToneData::default().map(|_| {
+        let there = rng.random_bool(likely);
+        there.then(|| std::array::from_fn(|_| rng.random()))
+    })
+}
+
+fn pairs(rng: &mut ChaCha8Rng, source: [u16; 2]) -> Vec<MeterPair> {
+    let pixel = |rng: &mut ChaCha8Rng| source.map(|side| rng.random_range(0..side));
+    let count = [0, rng.random_range(1..60)][rng.random_range(0..2)];
+    (0..count)
+        .map(|_| MeterPair::new(pixel(rng), pixel(rng)))
+        .collect()
 }
 
 fn mesh(rng: &mut ChaCha8Rng, size: [u16; 2], source: [u16; 2]) -> MeshData {

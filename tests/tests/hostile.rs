@@ -3,7 +3,8 @@
 
 use rand::RngExt;
 use tectum_core::{Eye, TableError, Tables};
-use tectum_tables::builder::{MeshData, TableBuilder, seal};
+use tectum_tables::Tag;
+use tectum_tables::builder::{MeshData, TableBuilder, seal, with_section};
 use tectum_tests::{parse_and_run, rng, table};
 
 fn small_table(seed: u64) -> TableBuilder {
@@ -101,6 +102,54 @@ fn a_position_over_any_edge_is_refused() {
             "{outside:?}"
         );
     }
+}
+
+#[test]
+fn a_section_that_must_be_understood_is_and_others_are_skipped() {
+    let mut builder = small_table(4);
+    builder.tone = Default::default();
+    builder.meter_pairs = Vec::new();
+    let bytes = builder.to_bytes().expect("few runs");
+    let with = |tag: &[u8; 4], section: &[u8]| with_section(&bytes, Tag(*tag), section);
+    let refused = |bytes: &[u8]| parse_and_run(bytes).unwrap_err();
+    assert_eq!(parse_and_run(&with(b"else", &[1, 2, 3])), Ok(()));
+    let unknown = Tag(*b"ELSE");
+    assert_eq!(
+        refused(&with(b"ELSE", &[])),
+        TableError::Unknown { tag: unknown }
+    );
+
+    // Luma of the left eye: right, cut short at any byte, with more behind, with an unknown curve.
+    let tone = [[1, 0, 0, 0].as_slice(), &[200; 256]].concat();
+    let toned = with(b"TONE", &tone);
+    assert_eq!(parse_and_run(&toned), Ok(()));
+    let (tag, bounds) = (Tag::TONE, TableError::SectionBounds { tag: Tag::TONE });
+    for length in 0..tone.len() {
+        assert_eq!(refused(&with(b"TONE", &tone[..length])), bounds);
+    }
+    assert_eq!(
+        refused(&with(b"TONE", &[tone.as_slice(), &[0]].concat())),
+        bounds
+    );
+    assert_eq!(
+        refused(&with(b"TONE", &[0, 64, 0, 0])),
+        TableError::Field { tag }
+    );
+    let twice = with_section(&toned, tag, &tone);
+    assert_eq!(refused(&twice), TableError::Duplicate { tag });
+
+    let (tag, bounds) = (
+        Tag::METER_PAIRS,
+        TableError::SectionBounds {
+            tag: Tag::METER_PAIRS,
+        },
+    );
+    assert_eq!(parse_and_run(&with(b"pair", &[0; 16])), Ok(()));
+    assert_eq!(refused(&with(b"pair", &[0; 15])), bounds);
+    assert_eq!(
+        refused(&with(b"pair", &[0, 0, 0, 0, 255, 0, 0, 0])),
+        TableError::Field { tag }
+    );
 }
 
 #[test]

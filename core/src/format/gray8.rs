@@ -1,9 +1,10 @@
 //! 8-bit luma.
 
-use tectum_tables::{Ramp, Segments};
+use tectum_tables::{Channel, Ramp, Segments};
 
 use super::{Kernel, PixelFormat};
 use crate::kernel::{Position, Source, bilinear, blend, walk};
+use crate::tone::Curves;
 
 /// One byte of luma to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,6 +13,8 @@ pub struct Gray8;
 
 impl PixelFormat for Gray8 {
     const BYTES_PER_PIXEL: usize = 1;
+    const CHANNELS: &'static [Channel] = &[Channel::Luma];
+    const METERED: Channel = Channel::Luma;
     const NAME: &'static str = "gray8";
 }
 
@@ -40,5 +43,20 @@ impl Kernel for Gray8 {
             *out = blend(u32::from(*out), u32::from(*right), ramp.left_weight()) as u8;
             ramp.step();
         }
+    }
+
+    #[inline(never)]
+    fn tone(row: &mut [u8], start: usize, len: usize, curves: &Curves<'_>) {
+        let [Some(curve), ..] = curves else {
+            return;
+        };
+        for value in row.get_mut(start..start + len).unwrap_or_default() {
+            *value = curve[usize::from(*value)];
+        }
+    }
+
+    #[inline]
+    fn metered(bytes: &[u8]) -> Option<u8> {
+        bytes.first().copied()
     }
 }

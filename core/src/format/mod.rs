@@ -5,9 +5,10 @@ mod rgb565;
 mod rgb8;
 mod yuyv;
 
-use tectum_tables::{Ramp, Segments};
+use tectum_tables::{Channel, Ramp, Segments};
 
 use crate::kernel::{Position, Source};
+use crate::tone::Curves;
 
 pub use gray8::Gray8;
 pub use rgb8::Rgb8;
@@ -20,6 +21,10 @@ pub trait PixelFormat: Kernel + Copy + core::fmt::Debug {
     const BYTES_PER_PIXEL: usize;
     /// Widths must be a multiple of this many pixels.
     const PIXELS: usize = 1;
+    /// Channels that may have tone curves, in the order of their curves.
+    const CHANNELS: &'static [Channel];
+    /// The channel that exposure is metered by.
+    const METERED: Channel;
     /// Name as written on command lines.
     const NAME: &'static str;
 }
@@ -40,4 +45,13 @@ pub trait Kernel {
     /// begin with a pixel whose column has the same parity, and `right` ends the run's stretch.
     #[doc(hidden)]
     fn blend(row: &mut [u8], right: &[u8], start: usize, len: usize, ramp: &mut Ramp);
+
+    /// Sends `len` sampled pixels of `row` from column `start` through curves.
+    #[doc(hidden)]
+    #[allow(private_bounds, private_interfaces)]
+    fn tone(row: &mut [u8], start: usize, len: usize, curves: &Curves<'_>);
+
+    /// The 8-bit value of [`PixelFormat::METERED`] in the pixel that `bytes` start with.
+    #[doc(hidden)]
+    fn metered(bytes: &[u8]) -> Option<u8>;
 }

@@ -1,18 +1,22 @@
 //! 5 bits of red, 6 of green, 5 of blue.
 
-use tectum_tables::{Ramp, Segments};
+use tectum_tables::{Channel, Curve, Ramp, Segments};
 
 use super::{Kernel, PixelFormat};
 use crate::kernel::{Position, Source, Spot, bilinear, blend, walk};
+use crate::tone::Curves;
 
 /// A little-endian 16-bit word to a pixel: red in bits 15..11, green 10..5, blue 4..0. Channels
-/// are interpolated and blended at their own depth.
+/// are interpolated and blended at their own depth; 8-bit curves take them by repeating their bits
+/// and give them back rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rgb565;
 
 impl PixelFormat for Rgb565 {
     const BYTES_PER_PIXEL: usize = 2;
+    const CHANNELS: &'static [Channel] = &[Channel::Red, Channel::Green, Channel::Blue];
+    const METERED: Channel = Channel::Green;
     const NAME: &'static str = "rgb565";
 }
 
@@ -41,6 +45,24 @@ fn pack([r, g, b]: [u32; 3]) -> [u8; 2] {
     ((r << 11 | g << 5 | b) as u16).to_le_bytes()
 }
 
+/// A channel of `BITS` bits (5 or 6) as 8 bits: its upper ones again below it.
+#[inline(always)]
+fn widened<const BITS: u32>(value: u32) -> u32 {
+    value << (8 - BITS) | value >> (2 * BITS - 8)
+}
+
+/// What a channel of `BITS` bits becomes.
+#[inline(always)]
+fn toned<const BITS: u32>(value: u32, curve: Option<&Curve>) -> u32 {
+    let Some(curve) = curve else {
+        return value;
+    };
+    let full = (1 << BITS) - 1;
+    // At most 8 bits, whatever the compiler knows of it.
+    let value = curve[widened::<BITS>(value) as usize & 255];
+    (u32::from(value) * full + 127) / 255
+}
+
 #[allow(private_bounds, private_interfaces)]
 impl Kernel for Rgb565 {
     #[inline]
@@ -67,6 +89,58 @@ impl Kernel for Rgb565 {
                 [*out, *right].map(|word| channels(u32::from(u16::from_le_bytes(word))));
             *out = pack([0, 1, 2].map(|i| blend(old[i], new[i], ramp.left_weight())));
             ramp.step();
+        }
+    }
+
+    #[inline(never)]
+    fn tone(row: &mut [u8], start: usize, len: usize, curves: &Curves<'_>) {
+        let [red, green, blue] = *curves;
+        let words = row
+            .get_mut(2 * start..2 * (start + len))
+            .unwrap_or_default();
+        for word in words.as_chunks_mut().0 {
+            let [r, g, b] = channels(u32::from(u16::from_le_bytes(*word)));
+            *word = pack([
+                toned::<5>(r, red),
+                toned::<6>(g, green),
+                toned::<5>(b, blue),
+            ]);
+        }
+    }
+
+    #[inline]
+    fn metered(bytes: &[u8]) -> Option<u8> {
+        let word = u16::from_le_bytes(*bytes.first_chunk()?);
+        let [_, green, _] = channels(u32::from(word));
+        Some(widened::<6>(green) as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_identity_curve_keeps_every_value() {
+        let identity: Curve = core::array::from_fn(|value| value as u8);
+        for value in 0..64 {
+            assert_eq!(toned::<6>(value, Some(&identity)), value);
+        }
+        for value in 0..32 {
+            assert_eq!(toned::<5>(value, Some(&identity)), value);
+        }
+    }
+
+    #[test]
+    fn curves_apply_at_each_depth_rounded() {
+        for value in 0..64u32 {
+            let five = value / 2;
+            for to in 0..=255u8 {
+                let curve = [to; 256];
+                let exact = |full: f64| (f64::from(to) * full / 255.0 + 0.5).floor() as u32;
+                assert_eq!(toned::<6>(value, Some(&curve)), exact(63.0));
+                assert_eq!(toned::<5>(five, Some(&curve)), exact(31.0));
+            }
         }
     }
 }

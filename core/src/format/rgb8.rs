@@ -1,9 +1,10 @@
 //! 8-bit red, green, blue.
 
-use tectum_tables::{Ramp, Segments};
+use tectum_tables::{Channel, Ramp, Segments};
 
 use super::{Kernel, PixelFormat};
 use crate::kernel::{Position, Source, bilinear, blend, walk};
+use crate::tone::Curves;
 
 /// Three bytes to a pixel: red, green, blue (or any other order: channels are treated alike).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,6 +13,8 @@ pub struct Rgb8;
 
 impl PixelFormat for Rgb8 {
     const BYTES_PER_PIXEL: usize = 3;
+    const CHANNELS: &'static [Channel] = &[Channel::Red, Channel::Green, Channel::Blue];
+    const METERED: Channel = Channel::Green;
     const NAME: &'static str = "rgb8";
 }
 
@@ -54,5 +57,24 @@ impl Kernel for Rgb8 {
             }
             ramp.step();
         }
+    }
+
+    #[inline(never)]
+    fn tone(row: &mut [u8], start: usize, len: usize, curves: &Curves<'_>) {
+        let pixels = row
+            .get_mut(3 * start..3 * (start + len))
+            .unwrap_or_default();
+        for pixel in pixels.as_chunks_mut::<3>().0 {
+            for (value, curve) in pixel.iter_mut().zip(curves) {
+                if let Some(curve) = curve {
+                    *value = curve[usize::from(*value)];
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn metered(bytes: &[u8]) -> Option<u8> {
+        bytes.get(1).copied()
     }
 }

@@ -1,9 +1,10 @@
 //! 4:2:2 luma and chroma, as most USB and parallel cameras send it.
 
-use tectum_tables::{Ramp, Segment, Segments};
+use tectum_tables::{Channel, Curve, Ramp, Segment, Segments};
 
 use super::{Kernel, PixelFormat};
 use crate::kernel::{Position, Source, bilinear, blend};
+use crate::tone::Curves;
 
 /// Four bytes to a pair of pixels: Y0 U Y1 V, chroma sited on the even pixel (as in MPEG-2 and
 /// UVC). Luma is sampled for every pixel; the chroma of a pair is sampled where its even pixel
@@ -15,6 +16,8 @@ pub struct Yuyv;
 impl PixelFormat for Yuyv {
     const BYTES_PER_PIXEL: usize = 2;
     const PIXELS: usize = 2;
+    const CHANNELS: &'static [Channel] = &[Channel::Luma, Channel::U, Channel::V];
+    const METERED: Channel = Channel::Luma;
     const NAME: &'static str = "yuyv";
 }
 
@@ -142,5 +145,29 @@ impl Kernel for Yuyv {
             }
             ramp.step();
         });
+    }
+
+    #[inline(never)]
+    fn tone(row: &mut [u8], start: usize, len: usize, curves: &Curves<'_>) {
+        let [luma, blue, red] = *curves;
+        let tone = |value: &mut u8, curve: Option<&Curve>| {
+            if let Some(curve) = curve {
+                *value = curve[usize::from(*value)];
+            }
+        };
+        pixels(row, start, len, |[y0, u, y1, v], even| {
+            if even {
+                tone(y0, luma);
+                tone(u, blue);
+                tone(v, red);
+            } else {
+                tone(y1, luma);
+            }
+        });
+    }
+
+    #[inline]
+    fn metered(bytes: &[u8]) -> Option<u8> {
+        bytes.first().copied()
     }
 }

@@ -4,6 +4,7 @@
 use tectum_tables::Eye;
 
 use crate::format::PixelFormat;
+use crate::stitcher::check_source;
 use crate::{Frame, StitchError, Tables};
 
 /// A source frame that has the size its table was made for.
@@ -26,13 +27,7 @@ impl<'a> Source<'a> {
         tables: &Tables<'_>,
         eye: Eye,
     ) -> Result<Self, StitchError> {
-        let expected = tables.source_size_px(eye);
-        if expected.is_some_and(|size| size != frame.size_px()) {
-            return Err(StitchError::SourceSize {
-                eye,
-                expected_px: expected.unwrap_or_default(),
-            });
-        }
+        check_source(frame, tables, eye)?;
         let [width, _] = frame.size_px();
         Ok(Self {
             data: frame.data(),

@@ -7,10 +7,12 @@ use tectum_tables::builder::{RunData, RunsTooLong, TableBuilder};
 use tectum_tables::{TableError, Tables};
 
 use crate::mesh::{FittedMesh, Targets, fit};
+use crate::metering::meter_pairs;
 use crate::output_map::{from_table, to_table};
 use crate::rays::eye_rays;
-use crate::seam::{left_weight, row_runs};
+use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE, left_weight, row_runs};
 use crate::sights::Sights;
+use crate::tone::{ToneError, tone};
 
 /// Steps to try, coarsest first, as powers of two.
 const STEPS_LOG2: [u32; 3] = [5, 4, 3];
@@ -44,6 +46,9 @@ pub struct Report {
     pub step: [Option<u32>; 2],
     /// Distance of the table's source positions from the camera models'.
     pub coordinate_error_px: ErrorSummary,
+    /// What luma and chroma curves lose against the rig's curves, if it has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tone_error: Option<ToneError>,
     /// Share of output pixels by owner.
     pub pixels: Owners,
     /// Bytes of a source frame in 8-bit luma, left and right.
@@ -61,6 +66,10 @@ pub struct Bytes {
     pub mesh_right: usize,
     /// Runs.
     pub runs: usize,
+    /// Tone curves.
+    pub tone: usize,
+    /// Metering pairs.
+    pub meter: usize,
     /// Header, directory, directions and metadata.
     pub other: usize,
 }
@@ -126,7 +135,8 @@ pub enum BakeError {
     Proof(TableError),
 }
 
-/// Bakes a table.
+/// Bakes a table. A rig with `[stitching]` gives its seam, warp and tone, and metering pairs where
+/// both eyes are shown.
 ///
 /// # Errors
 /// [`BakeError`]: an option out of range, or no table that meets it.
@@ -138,11 +148,13 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     // A position off by the allowed error and its rounding must still have its whole box.
     let sights = Sights::trace(rig, &output, options.max_error_px + 1.0 / 128.0);
     let rows = match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
-        Some(seam) => rows(&sights, |x, y, [left, right]| match (left, right) {
-            (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
-            _ => left_weight(left, right, 0.0),
+        Some(seam) => rows(&sights, SEAM_MAP_TOLERANCE, |x, y, [left, right]| {
+            match (left, right) {
+                (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
+                _ => left_weight(left, right, 0.0),
+            }
         }),
-        None => rows(&sights, |_, _, [left, right]| {
+        None => rows(&sights, RAMP_TOLERANCE, |_, _, [left, right]| {
             left_weight(left, right, options.feather_rad)
         }),
     };
@@ -151,6 +163,16 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
         return Err(BakeError::Empty);
     }
     let coordinate_error_px = total_error(&[&left, &right]);
+    let stitching = rig.stitching.as_ref();
+    let (tone, tone_error) = stitching
+        .and_then(|s| s.tone.as_ref())
+        .map(tone)
+        .map_or_else(Default::default, |(tone, error)| (tone, Some(error)));
+    // Registered eyes are to match; metering takes both.
+    let meter_pairs = match (stitching, &left, &right) {
+        (Some(_), Some(_), Some(_)) => meter_pairs(rig),
+        _ => Vec::new(),
+    };
     let rays = |eye: &Option<tectum_optics::RigEye>| {
         eye.as_ref()
             .and_then(|eye| eye_rays(eye, rig.stitch_distance_m))
@@ -162,12 +184,17 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
         rows,
         output_map,
         rays: [rays(&rig.left), rays(&rig.right)],
+        tone,
+        meter_pairs,
         metadata: String::new(),
     };
     builder.metadata = metadata(rig, options, coordinate_error_px);
     let bytes = builder.to_bytes()?;
     let tables = Tables::parse(&bytes).map_err(BakeError::Proof)?;
-    let report = report(&tables, &builder, coordinate_error_px);
+    let report = Report {
+        tone_error,
+        ..report(&tables, &builder, coordinate_error_px)
+    };
     Ok(Baked { bytes, report })
 }
 
@@ -185,9 +212,11 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// Runs of all rows from the left eye's weight at a pixel, given the angles off both axes.
+/// Runs of all rows, within `tolerance`, from the left eye's weight at a pixel, given the angles off
+/// both axes.
 fn rows(
     sights: &Sights,
+    tolerance: f64,
     weight: impl Fn(usize, usize, [Option<f64>; 2]) -> Option<f64> + Sync,
 ) -> Vec<Vec<RunData>> {
     sights
@@ -200,7 +229,7 @@ fn rows(
                 .enumerate()
                 .map(|(x, sights)| weight(x, y, sights.map(|sight| sight.map(|s| s.off_axis_rad))))
                 .collect();
-            row_runs(&weights)
+            row_runs(&weights, tolerance)
         })
         .collect()
 }
@@ -305,6 +334,8 @@ fn report(tables: &Tables<'_>, builder: &TableBuilder, error: ErrorSummary) -> R
     let [mesh_left, mesh_right] = meshes.map(|m| m.map_or(0, |m| m.to_bytes().len()));
     let total = tables.length_bytes();
     let runs = tables.runs_bytes();
+    let tone = tables.tone_bytes();
+    let meter = size_of_val(tables.meter_pairs());
     let mut pixels = Owners::default();
     for run in builder.rows.iter().flatten() {
         match *run {
@@ -320,10 +351,13 @@ fn report(tables: &Tables<'_>, builder: &TableBuilder, error: ErrorSummary) -> R
             mesh_left,
             mesh_right,
             runs,
-            other: total - mesh_left - mesh_right - runs,
+            tone,
+            meter,
+            other: total - mesh_left - mesh_right - runs - tone - meter,
         },
         step: meshes.map(|m| m.map(|m| 1 << m.step_log2)),
         coordinate_error_px: error,
+        tone_error: None,
         pixels,
         source_bytes_gray8: meshes.map(|m| {
             m.map_or(0, |m| {

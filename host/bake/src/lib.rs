@@ -8,12 +8,14 @@ mod bake;
 pub mod convert;
 mod format;
 pub mod mesh;
+mod metering;
 mod output_map;
 mod parallel;
 mod rays;
 pub mod reference;
 pub mod seam;
 mod sights;
+mod tone;
 mod verify;
 
 pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
@@ -21,6 +23,7 @@ pub use format::{Format, Pair, Pass, stitch, stitch_parallel};
 pub use output_map::output_map;
 pub use parallel::stitch_bands;
 pub use sights::{Sight, Sights};
+pub use tone::ToneError;
 pub use verify::{FormatResult, PixelError, Verification, VerifyError, verify};
 
 /// Why frames could not be stitched.

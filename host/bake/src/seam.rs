@@ -4,8 +4,11 @@ use tectum_tables::builder::RunData;
 
 /// Weights nearer to 0 or 1 than this are that: half a step of the blend's 1/256.
 const NEGLIGIBLE: f64 = 1.0 / 512.0;
-/// Greatest departure of a blend run's straight ramp from the exact weight.
-const RAMP_TOLERANCE: f64 = 2.0 / 256.0;
+/// Greatest departure of a blend run's straight ramp from the exact weight of geometry's seam.
+pub const RAMP_TOLERANCE: f64 = 2.0 / 256.0;
+/// The same of a seam map's: its transitions are wide only where both eyes look alike, and bend
+/// with the cut. Exact ramps would take twice the bytes.
+pub const SEAM_MAP_TOLERANCE: f64 = 16.0 / 256.0;
 
 /// Weight of the left eye (0..=1) for a direction that lies `left_rad` and `right_rad` off the
 /// optical axes of the eyes that see it; `None` if neither does.
@@ -25,8 +28,8 @@ pub fn left_weight(left_rad: Option<f64>, right_rad: Option<f64>, feather_rad: f
     }
 }
 
-/// Runs of one output row from the left eye's weight at each pixel.
-pub fn row_runs(weights: &[Option<f64>]) -> Vec<RunData> {
+/// Runs of one output row from the left eye's weight at each pixel, followed within `tolerance`.
+pub fn row_runs(weights: &[Option<f64>], tolerance: f64) -> Vec<RunData> {
     let mut runs = Vec::new();
     let mut start = 0;
     while start < weights.len() {
@@ -42,7 +45,7 @@ pub fn row_runs(weights: &[Option<f64>]) -> Vec<RunData> {
             Owner::Right => runs.push(RunData::Right(same as u16)),
             Owner::Both => {
                 let weights: Vec<f64> = run.iter().flatten().copied().collect();
-                runs.extend(ramps(&weights));
+                runs.extend(ramps(&weights, tolerance));
             }
         }
         start += same;
@@ -70,13 +73,13 @@ impl Owner {
 }
 
 /// The fewest straight ramps, greedily, that follow the weights within the tolerance.
-fn ramps(weights: &[f64]) -> Vec<RunData> {
+fn ramps(weights: &[f64], tolerance: f64) -> Vec<RunData> {
     let mut runs = Vec::new();
     let mut start = 0;
     while start < weights.len() {
         let rest = &weights[start..];
         let len = (2..=rest.len())
-            .take_while(|len| is_straight(&rest[..*len]))
+            .take_while(|len| is_straight(&rest[..*len], tolerance))
             .last()
             .unwrap_or(1);
         let run = &rest[..len];
@@ -88,14 +91,14 @@ fn ramps(weights: &[f64]) -> Vec<RunData> {
     runs
 }
 
-fn is_straight(weights: &[f64]) -> bool {
+fn is_straight(weights: &[f64], tolerance: f64) -> bool {
     let last = weights.len() - 1;
     let slope = (weights[last] - weights[0]) / last as f64;
     let line = |i: usize| weights[0] + slope * i as f64;
     weights
         .iter()
         .enumerate()
-        .all(|(i, w)| (w - line(i)).abs() <= RAMP_TOLERANCE)
+        .all(|(i, w)| (w - line(i)).abs() <= tolerance)
 }
 
 /// The byte whose widened value (`a + (a >> 7)` of 256) is nearest to a weight.
@@ -126,7 +129,7 @@ mod tests {
         let weights: Vec<Option<f64>> = (0..20)
             .map(|x| Some(((f64::from(x) - 4.5) / 10.0).clamp(0.0, 1.0)))
             .collect();
-        let runs = row_runs(&weights);
+        let runs = row_runs(&weights, RAMP_TOLERANCE);
         assert_eq!(
             runs,
             [
@@ -146,7 +149,7 @@ mod tests {
             })
             .collect();
         let mut x = 0;
-        for run in row_runs(&weights) {
+        for run in row_runs(&weights, RAMP_TOLERANCE) {
             let (len, edges) = match run {
                 RunData::Void(n) => (n, None),
                 RunData::Left(n) => (n, Some([255, 255])),

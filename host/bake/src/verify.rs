@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use tectum_core::{Eye, Sampler, Tables};
+use tectum_core::{Channel, Eye, Sampler, Tables};
 use tectum_optics::{OutputMap, Rig};
 use tectum_tables::RunKind;
 
@@ -25,7 +25,7 @@ pub struct Verification {
     /// The same, by format.
     pub formats: Vec<FormatResult>,
     /// Greatest difference of the core from unrounded f64 interpolation at the table's own
-    /// positions, single-eye pixels, least significant bits: at most 1/2.
+    /// positions, single-eye pixels, least significant bits before tone: at most 1/2.
     pub rounding_error_lsb: f64,
     /// Distance of the table's source positions from the rig's camera models.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -46,7 +46,8 @@ pub struct FormatResult {
     pub mismatches: usize,
 }
 
-/// Difference of luma values, least significant bits.
+/// Difference of luma values, least significant bits of the source: of a pixel that went through a
+/// tone curve, the difference from the nearest value that the curve makes that pixel of.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PixelError {
     /// Greatest.
@@ -224,12 +225,24 @@ fn differences(
         };
         let size = tables.source_size_px(eye)?;
         let exact = interpolate(frame, size, position(eye, x, y)?)?;
-        Some((f64::from(core[y * width + x]) - exact).abs())
+        Some(distance(tables, eye, core[y * width + x], exact))
     });
     PixelError {
         max: errors.iter().copied().fold(0.0, f64::max),
         mean: errors.iter().sum::<f64>() / errors.len().max(1) as f64,
     }
+}
+
+/// How far the nearest luma value that the core may have made `pixel` of is from `exact`; 256 if the
+/// tone curve makes it of none.
+fn distance(tables: &Tables<'_>, eye: Eye, pixel: u8, exact: f64) -> f64 {
+    let Some(curve) = tables.curve(eye, Channel::Luma) else {
+        return (f64::from(pixel) - exact).abs();
+    };
+    let sources = (0..=255u8).zip(curve).filter(|(_, toned)| **toned == pixel);
+    sources.fold(256.0, |nearest, (source, _)| {
+        (f64::from(source) - exact).abs().min(nearest)
+    })
 }
 
 /// Bilinear value of a luma frame at a position; `None` where its box is not inside.

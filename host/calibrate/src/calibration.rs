@@ -17,6 +17,23 @@ impl BoardPose {
     pub fn apply(&self, point_mm: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * point_mm + self.position_mm
     }
+
+    /// This pose after another: what `other` moves is moved on.
+    pub fn after(&self, other: &Self) -> Self {
+        Self {
+            rotation: self.rotation * other.rotation,
+            position_mm: self.apply(&other.position_mm),
+        }
+    }
+
+    /// The way back.
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.inverse();
+        Self {
+            rotation,
+            position_mm: -(rotation * self.position_mm),
+        }
+    }
 }
 
 /// Why a view takes no part.

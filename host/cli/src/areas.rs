@@ -1,43 +1,19 @@
 //! Pictures of who sees what, with a legend.
 
 use image::RgbImage;
+use tectum_optics::design::Area;
 use tectum_tables::{RunKind, Tables};
 
 use crate::draw;
 use crate::draw::{BLACK, BOTH, Colour, LEFT, NONE, RIGHT, WHITE, blend, font_for, text_size};
 
-/// Who sees a pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Area {
-    /// Neither eye.
-    None,
-    /// The left eye alone.
-    Left,
-    /// The right eye alone.
-    Right,
-    /// Both.
-    Both,
-}
-
-impl Area {
-    /// Seen by these eyes.
-    pub fn of([left, right]: [bool; 2]) -> Self {
-        match (left, right) {
-            (false, false) => Self::None,
-            (true, false) => Self::Left,
-            (false, true) => Self::Right,
-            (true, true) => Self::Both,
-        }
-    }
-
-    /// Its colour.
-    pub fn colour(self) -> Colour {
-        match self {
-            Self::None => NONE,
-            Self::Left => LEFT,
-            Self::Right => RIGHT,
-            Self::Both => BOTH,
-        }
+/// The colour of who sees.
+pub fn colour(area: Area) -> Colour {
+    match area {
+        Area::None => NONE,
+        Area::Left => LEFT,
+        Area::Right => RIGHT,
+        Area::Both => BOTH,
     }
 }
 
@@ -74,7 +50,7 @@ pub fn picture(backdrop: &RgbImage, areas: &[Area], legend: &[(Area, String)]) -
         *out = image::Rgb([luma as u8; 3]);
         blend(
             out,
-            here.colour(),
+            colour(here),
             if here == Area::None { 1.0 } else { 0.5 },
         );
         let differs = |other: Option<&Area>| other.is_some_and(|other| *other != here);
@@ -92,7 +68,7 @@ pub fn picture(backdrop: &RgbImage, areas: &[Area], legend: &[(Area, String)]) -
             &mut picture,
             [start, middle - swatch / 2.0],
             letter,
-            area.colour(),
+            colour(*area),
         );
         let text_middle = start + 1.5 * swatch + f64::from(text_width) / 2.0;
         draw::label(&mut picture, text, [text_middle, middle], WHITE, font);

@@ -7,6 +7,7 @@ mod draw;
 mod files;
 mod frames;
 mod instructions;
+mod paired;
 mod pictures;
 mod pool;
 mod progress;

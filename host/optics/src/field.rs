@@ -50,6 +50,14 @@ impl Field {
         (1.0 - t) * self.half_angles_rad[first] + t * self.half_angles_rad[(first + 1) % n]
     }
 
+    /// The half-angle of a field of one sample, a full circle, rad.
+    pub fn circle_rad(&self) -> Option<f64> {
+        match self.half_angles_rad[..] {
+            [half] => Some(half),
+            _ => None,
+        }
+    }
+
     /// The greatest half-angle over all directions, rad.
     pub fn widest_rad(&self) -> f64 {
         self.half_angles_rad.iter().copied().fold(0.0, f64::max)

@@ -7,6 +7,7 @@
 
 pub mod camera;
 pub mod convention;
+pub mod design;
 mod field;
 mod front_element;
 pub mod io;
@@ -17,7 +18,7 @@ mod rig;
 pub use camera::{CameraModel, ModelError};
 pub use field::{Eye, Field, FieldError, SightError};
 pub use front_element::{FrontElement, FrontElementError, InWater, WATER_INDEX};
-pub use pose::{Pose, Side};
+pub use pose::{Pose, Side, rotation_vector, vector_of_rotation};
 pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
 pub use rig::{
     CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, SeamMap,

@@ -68,8 +68,9 @@ pub(crate) fn rotation_about(axis: char, angle_rad: f64) -> Rotation3<f64> {
     rotation_vector(&(axis * angle_rad))
 }
 
-/// Rotation of a rotation vector (axis times angle, rad) by Rodrigues' formula.
-pub(crate) fn rotation_vector(v: &Vector3<f64>) -> Rotation3<f64> {
+/// Rotation of a rotation vector (axis times angle, rad) by Rodrigues' formula, with `libm`'s
+/// functions: the same on every machine.
+pub fn rotation_vector(v: &Vector3<f64>) -> Rotation3<f64> {
     let angle = v.norm();
     if angle == 0.0 {
         return Rotation3::identity();
@@ -79,9 +80,67 @@ pub(crate) fn rotation_vector(v: &Vector3<f64>) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(matrix)
 }
 
+/// Rotation vector (axis times angle, rad; angle up to pi) of a rotation: the inverse of
+/// [`rotation_vector`], exact for small angles, and near half a turn by the rotation's quaternion
+/// (Shepperd 1978).
+pub fn vector_of_rotation(rotation: &Rotation3<f64>) -> Vector3<f64> {
+    let m = rotation.matrix();
+    let trace = m.trace();
+    // Squares of twice the quaternion's parts; the largest is divided by.
+    let squares = [
+        1.0 + trace,
+        1.0 - trace + 2.0 * m[(0, 0)],
+        1.0 - trace + 2.0 * m[(1, 1)],
+        1.0 - trace + 2.0 * m[(2, 2)],
+    ];
+    let sums = |i: usize, j: usize| m[(i, j)] + m[(j, i)];
+    let twice = Vector3::new(
+        m[(2, 1)] - m[(1, 2)],
+        m[(0, 2)] - m[(2, 0)],
+        m[(1, 0)] - m[(0, 1)],
+    );
+    let mut largest = 0;
+    for k in 1..4 {
+        if squares[k] > squares[largest] {
+            largest = k;
+        }
+    }
+    // Proportional to the quaternion (w; x, y, z).
+    let (w, v) = match largest {
+        0 => (squares[0], twice),
+        1 => (twice.x, Vector3::new(squares[1], sums(0, 1), sums(0, 2))),
+        2 => (twice.y, Vector3::new(sums(0, 1), squares[2], sums(1, 2))),
+        _ => (twice.z, Vector3::new(sums(0, 2), sums(1, 2), squares[3])),
+    };
+    let sine = v.norm();
+    if sine == 0.0 {
+        return Vector3::zeros();
+    }
+    // The shorter way round.
+    let half = libm::atan2(sine, w.abs());
+    v * (2.0 * half / sine).copysign(w)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rotation_vectors_come_back() {
+        for axis in [
+            Vector3::x(),
+            -Vector3::y(),
+            Vector3::z(),
+            Vector3::new(0.48, -0.6, 0.64),
+        ] {
+            for angle in [0.0, 1e-12, 1e-5, 0.3, 2.0, 3.1415] {
+                let v = axis * angle;
+                let back = vector_of_rotation(&rotation_vector(&v));
+                // Rounding of entries of size 1 over the quaternion's largest part.
+                assert!((back - v).norm() < 1e-14, "{v:?} {back:?}");
+            }
+        }
+    }
 
     #[test]
     fn the_mount_is_the_papers() {

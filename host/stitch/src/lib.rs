@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! pictures ──► matching (boards with a marker) ─┐
-//!          └─► features (SIFT, ORB, …) ─────────┴─► registration ──► poses, focal scales
+//!          └─► features (SIFT, ORB, …) ─► epipolar ┴─► registration ──► poses, focal scales
 //! poses ──► views (both eyes in one picture) ──► colour ──► seam ◄──► align ──► curves, shares, warp
 //! ```
 
@@ -13,9 +13,11 @@ pub mod align;
 mod bspline;
 pub mod colour;
 mod correspondence;
+pub mod epipolar;
 pub mod features;
 pub mod matching;
 pub mod registration;
+pub mod report;
 pub mod seam;
 mod views;
 

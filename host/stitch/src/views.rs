@@ -72,7 +72,7 @@ impl View {
 }
 
 /// Colour at a position whose 2x2 box lies in the picture.
-fn bilinear(picture: &RgbImage, [x, y]: [f64; 2]) -> Option<[f32; 3]> {
+pub(crate) fn bilinear(picture: &RgbImage, [x, y]: [f64; 2]) -> Option<[f32; 3]> {
     let inside = |p: f64, side: u32| p >= 0.0 && p < f64::from(side) - 1.0;
     if !inside(x, picture.width()) || !inside(y, picture.height()) {
         return None;

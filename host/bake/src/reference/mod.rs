@@ -6,6 +6,7 @@
 mod planes;
 mod position;
 pub mod quantised;
+mod tone;
 
 pub use planes::Planes;
 pub use position::position_q8;

@@ -6,6 +6,7 @@ use tectum_tables::RunKind;
 
 use super::planes::Planes;
 use super::position::{position_q8, round};
+use super::tone::toned;
 use crate::{Format, Pair};
 
 /// Stitches a whole picture slowly. Equal to the core bit for bit.
@@ -59,7 +60,8 @@ fn row(
                 let value = |eye: Eye| {
                     let planes = eyes[eye as usize].as_ref().expect("runs show known eyes");
                     let at = positions[eye as usize].expect("asked for where it is shown");
-                    sample(planes, channel, at, sampler)
+                    let value = sample(planes, channel, at, sampler);
+                    toned(tables, eye, format, channel, value)
                 };
                 plane[i] = match run.kind {
                     RunKind::Void => background(format, channel),

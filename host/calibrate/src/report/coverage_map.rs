@@ -5,9 +5,9 @@ use std::f64::consts::{FRAC_PI_8, PI};
 use super::coverage::{Cell, Direction, Place};
 use super::facts::Facts;
 use super::map::Map;
-use super::picture::jpeg_uri;
-use super::plot::Plot;
-use super::svg::{Path, captioned, drawing, escape, text};
+use tectum_page::picture::jpeg_uri;
+use tectum_page::plot::Plot;
+use tectum_page::svg::{Path, captioned, drawing, escape, text};
 
 /// Radius of the polar chart and its drawing's sides, user units.
 const RADIUS: f64 = 200.0;

@@ -3,8 +3,8 @@
 use tectum_optics::Medium;
 
 use super::facts::{Facts, FieldSource};
-use super::svg::{degrees, escape, figure};
 use super::verdict::Trust;
+use tectum_page::svg::{degrees, escape, figure};
 
 pub fn html(facts: &Facts) -> String {
     let (input, calibration) = (facts.input, facts.input.calibration);

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::coverage::Direction;
 use super::facts::Facts;
-use super::svg::{Path, drawing, text};
+use tectum_page::svg::{Path, drawing, text};
 
 /// Longest sides of a map, user units.
 const SIDES: [f64; 2] = [560.0, 460.0];

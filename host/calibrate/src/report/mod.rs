@@ -8,15 +8,12 @@ mod heat;
 mod image_circle;
 mod map;
 mod models;
-mod picture;
 mod pictures;
-mod plot;
 mod radial;
 mod residuals;
 #[cfg(test)]
 mod sample;
 mod sigma;
-mod svg;
 #[cfg(test)]
 mod tests;
 mod uncertainty;
@@ -87,7 +84,7 @@ pub fn judge(input: &ReportInput) -> Verdict {
 /// The report as an HTML page that needs no other file and no network.
 pub fn html(input: &ReportInput) -> String {
     let facts = Facts::new(input);
-    let title = format!("Calibration of eye {}", svg::escape(input.eye));
+    let title = format!("Calibration of eye {}", input.eye);
     let sections = [
         head::html(&facts),
         coverage_map::html(&facts),
@@ -97,11 +94,5 @@ pub fn html(input: &ReportInput) -> String {
         models::html(&facts),
         pictures::html(&facts),
     ];
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width\"><title>Tectum: {title}</title>\
-         <style>{style}</style></head>\n<body>\n{body}</body>\n</html>\n",
-        style = include_str!("style.css"),
-        body = sections.concat(),
-    )
+    tectum_page::html(&title, &sections.concat())
 }

@@ -1,7 +1,7 @@
 //! Sections: models tried, and the parameters of the one chosen.
 
 use super::facts::Facts;
-use super::svg::{escape, figure};
+use tectum_page::svg::{escape, figure};
 
 pub fn html(facts: &Facts) -> String {
     format!("{}{}", scores(facts), parameters(facts))

@@ -1,8 +1,8 @@
 //! Section: picture by picture.
 
 use super::facts::{Facts, Picture};
-use super::picture::jpeg_uri;
-use super::svg::{Path, degrees, drawing, escape, figure, text};
+use tectum_page::picture::jpeg_uri;
+use tectum_page::svg::{Path, captioned, degrees, drawing, escape, figure, text};
 
 /// Width of a thumbnail, px and user units.
 const WIDTH: u32 = 420;
@@ -111,7 +111,7 @@ fn thumbnail(facts: &Facts, picture: &Picture) -> String {
         &format!("Corners in {file}"),
         &(image + &corners),
     );
-    super::svg::captioned(&drawn, &caption)
+    captioned(&drawn, &caption)
 }
 
 /// The outliers of a picture in words.

@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 
 use super::facts::Facts;
-use super::plot::{Plot, ticks};
 use super::residuals::MOST_POINTS;
-use super::svg::{captioned, degrees, figure};
+use tectum_page::plot::{Plot, ticks};
+use tectum_page::svg::{captioned, degrees, figure};
 
 /// Half-width of the running mean, degrees.
 const HALF_WIDTH_DEG: f64 = 4.0;

@@ -1,9 +1,9 @@
 //! Section: residuals: where they point, how long they are.
 
 use super::facts::{Facts, Sighting};
-use super::plot::Plot;
-use super::svg::{captioned, figure};
 use super::{radial, vectors};
+use tectum_page::plot::Plot;
+use tectum_page::svg::{captioned, figure};
 
 /// Points drawn at most in a scatter.
 pub const MOST_POINTS: usize = 5000;

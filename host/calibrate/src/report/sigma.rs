@@ -5,7 +5,7 @@ use image::{Rgba, RgbaImage};
 use super::AngularSigma;
 use super::facts::Facts;
 use super::heat::{Grid, colour};
-use super::plot::ticks;
+use tectum_page::plot::ticks;
 
 /// Fewer levels than this are no map.
 const LEAST_LEVELS: usize = 3;

@@ -4,9 +4,9 @@ use super::AngularSigma;
 use super::facts::Facts;
 use super::heat::colour;
 use super::map::Map;
-use super::picture::png_uri;
 use super::sigma::{MILLIDEGREES, SigmaMap};
-use super::svg::{Path, captioned, figure, text};
+use tectum_page::picture::png_uri;
+use tectum_page::svg::{Path, captioned, figure, text};
 
 /// Contours of fewer segments are left out.
 const SPECK: usize = 24;

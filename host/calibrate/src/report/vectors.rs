@@ -2,8 +2,8 @@
 
 use super::facts::{Facts, Sighting};
 use super::map::Map;
-use super::plot::step;
-use super::svg::{Path, captioned, text};
+use tectum_page::plot::step;
+use tectum_page::svg::{Path, captioned, text};
 
 /// Arrows drawn at most: more cannot be told apart.
 const MOST_ARROWS: usize = 4000;

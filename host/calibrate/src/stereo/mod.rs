@@ -16,6 +16,7 @@ use tectum_optics::CameraModel;
 use crate::solve::Problem;
 use crate::{Calibration, Parameter};
 pub use mount::MountFit;
+pub use pairs::{Agreement, BoardPair, agreement};
 
 /// The eyes' relative pose and what was refined with it.
 #[derive(Debug, Clone, PartialEq)]

@@ -84,18 +84,24 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
     let all = pixels.void + pixels.left + pixels.right + pixels.blend;
     let share = |n: usize| 100.0 * n as f64 / all as f64;
     let mut text = format!(
-        "flash   {} bytes: left mesh {}, right mesh {}, runs {}, other {}\n\
+        "flash   {} bytes: left mesh {}, right mesh {}, runs {}, tone {}, metering {}, other {}\n\
          mesh    a vertex every {} px\n\
-         error   {} (source position against the camera model)\n\
+         error   {} (source position against the camera model)\n{}\
          pixels  left {:.1} %, right {:.1} %, blend {:.1} %, void {:.1} %\n\n\
          format   RAM: both frames   one frame, output   output row   M7 instructions a picture*\n",
         bytes.total,
         bytes.mesh_left,
         bytes.mesh_right,
         bytes.runs,
+        bytes.tone,
+        bytes.meter,
         bytes.other,
         step(report.step),
         max_rms(&report.coordinate_error_px, "px"),
+        report.tone_error.map_or_else(String::new, |error| format!(
+            "tone    Y {:.2}, U V {:.2} levels RMS off the curves for red, green, blue\n",
+            error.luma_rms, error.chroma_rms
+        )),
         share(pixels.left),
         share(pixels.right),
         share(pixels.blend),
@@ -137,11 +143,15 @@ fn step([left, right]: [Option<u32>; 2]) -> Value {
 /// The cost sheet for a script.
 fn cost_json(baked: &Baked, table: &Path) -> Value {
     let report = &baked.report;
-    json!({
+    let mut json = json!({
         "table": table.display().to_string(),
         "bytes": report.bytes,
         "step": step(report.step),
         "coordinate_error_px": report.coordinate_error_px,
         "pixels": report.pixels,
-    })
+    });
+    if let Some(error) = report.tone_error {
+        json["tone_error_levels"] = json!(error);
+    }
+    json
 }

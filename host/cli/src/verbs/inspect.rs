@@ -8,12 +8,13 @@ use anyhow::bail;
 use image::RgbImage;
 use serde_json::{Value, json};
 use tectum_bake::output_map;
-use tectum_core::Eye;
+use tectum_core::{Channel, Eye};
 use tectum_optics::convention::yaw_pitch;
+use tectum_optics::design::Area;
 use tectum_optics::{Rig, RigEye};
 use tectum_tables::{Mesh, RunKind, Tables};
 
-use crate::areas::{self, Area};
+use crate::areas;
 use crate::report::{Report, Usage};
 use crate::{draw, files, pictures};
 
@@ -106,6 +107,14 @@ fn table(tables: &Tables<'_>, file: &Path) -> Report {
             run.kind, run.runs, run.pixels, run.shortest_px, run.longest_px
         );
     }
+    let tone = tone(tables);
+    for (eye, channels) in &tone {
+        let _ = writeln!(text, "tone    {eye}: {}", channels.join(", "));
+    }
+    let pairs = tables.meter_pairs().len();
+    if pairs > 0 {
+        let _ = writeln!(text, "meter   {pairs} pairs of pixels that both eyes see");
+    }
     for line in tables.metadata().lines() {
         let _ = writeln!(text, "meta    {line}");
     }
@@ -118,9 +127,25 @@ fn table(tables: &Tables<'_>, file: &Path) -> Report {
         "meshes": meshes,
         "runs_bytes": tables.runs_bytes(),
         "runs": runs,
+        "tone": tone.iter().map(|(eye, channels)| json!({ "eye": eye, "curves": channels }))
+            .collect::<Vec<_>>(),
+        "tone_bytes": tables.tone_bytes(),
+        "meter_pairs": pairs,
         "metadata": tables.metadata(),
     });
     Report::new(text, json)
+}
+
+/// Eyes that have tone curves, and the channels.
+fn tone(tables: &Tables<'_>) -> Vec<(String, Vec<String>)> {
+    let name = |word: &dyn std::fmt::Debug| format!("{word:?}").to_lowercase();
+    let eyes = Eye::BOTH.into_iter().map(|eye| {
+        let channels = Channel::ALL.into_iter();
+        let there = channels.filter(|channel| tables.curve(eye, *channel).is_some());
+        (name(&eye), there.map(|channel| name(&channel)).collect())
+    });
+    eyes.filter(|(_, channels): &(_, Vec<_>)| !channels.is_empty())
+        .collect()
 }
 
 #[derive(serde::Serialize)]

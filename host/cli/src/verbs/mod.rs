@@ -4,9 +4,12 @@ mod bake;
 mod board;
 mod calibrate;
 mod demo;
+mod design;
 mod detect;
 mod inspect;
 mod lookup;
+mod matching;
+mod register;
 mod simulate;
 mod stitch;
 mod verify;
@@ -18,14 +21,17 @@ use crate::report::Report;
 #[derive(clap::Subcommand)]
 pub enum Verb {
     Demo(demo::Args),
+    Design(Box<design::Args>),
     Board(board::Args),
     Detect(detect::Args),
     Calibrate(Box<calibrate::Args>),
     Bake(bake::Args),
+    Register(Box<register::Args>),
     Verify(verify::Args),
     Stitch(stitch::Args),
     Lookup(lookup::Args),
     Inspect(inspect::Args),
+    Match(matching::Args),
     Simulate(simulate::Args),
     Water(water::Args),
 }
@@ -35,14 +41,17 @@ impl Verb {
     pub fn run(self) -> anyhow::Result<Report> {
         match self {
             Self::Demo(args) => demo::run(&args),
+            Self::Design(args) => design::run(&args),
             Self::Board(args) => board::run(&args),
             Self::Detect(args) => detect::run(&args),
             Self::Calibrate(args) => calibrate::run(&args),
             Self::Bake(args) => bake::run(&args),
+            Self::Register(args) => register::run(&args),
             Self::Verify(args) => verify::run(&args),
             Self::Stitch(args) => stitch::run(&args),
             Self::Lookup(args) => lookup::run(&args),
             Self::Inspect(args) => inspect::run(&args),
+            Self::Match(args) => matching::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Water(args) => water::run(&args),
         }

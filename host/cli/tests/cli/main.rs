@@ -6,6 +6,7 @@ mod boards;
 mod calibrate;
 mod common;
 mod demo;
+mod design;
 mod detect;
 mod verbs;
 mod water;

@@ -5,6 +5,7 @@ mod eye_file;
 mod file;
 mod include;
 mod read;
+mod registered;
 mod stitching;
 #[cfg(test)]
 mod tests;

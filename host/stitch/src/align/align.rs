@@ -29,6 +29,9 @@ pub struct Alignment {
     pub seam: Seam,
     /// What was found.
     pub summary: AlignSummary,
+    /// Similarity along the seam, before and after: angle around the axis that joins the eyes, rad
+    /// (0 between the optical axes), and structural similarity.
+    pub along: [Vec<[f64; 2]>; 2],
 }
 
 /// What was found along the seam.
@@ -108,10 +111,12 @@ pub fn align(
         matches if matches.is_empty() => None,
         matches => work.bend(&matches, &mut summary),
     };
+    let along = grid.along(&pixels, &similar);
     if let Some((warp, views)) = bent {
         let again = stage.seam(&views)?;
         let pixels = seam_pixels(grid, &views, &again.cut.left);
-        let after = mean(similarities(grid, &views, &pixels).into_iter());
+        let similar = similarities(grid, &views, &pixels);
+        let after = mean(similar.iter().copied());
         if after >= summary.ssim_before {
             summary.ssim_after = after;
             summary.greatest_deg = warp.greatest_deg;
@@ -119,6 +124,7 @@ pub fn align(
                 warp: Some(warp),
                 seam: again,
                 summary,
+                along: [along, grid.along(&pixels, &similar)],
             });
         }
     }
@@ -129,6 +135,7 @@ pub fn align(
         warp: None,
         seam,
         summary,
+        along: [along.clone(), along],
     })
 }
 

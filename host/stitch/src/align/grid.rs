@@ -37,6 +37,13 @@ impl Grid {
         self.map.rotation * direction(-u, v)
     }
 
+    /// Values at pixels beside their angle along the rows, rad.
+    pub fn along(&self, pixels: &[usize], values: &[f64]) -> Vec<[f64; 2]> {
+        let angle = |i: usize| self.map.u[0] + (i % self.size_px[0]) as f64 * self.map.u[1];
+        let pixels = pixels.iter().zip(values);
+        pixels.map(|(i, value)| [angle(*i), *value]).collect()
+    }
+
     /// Pixels of an angle.
     pub fn px(&self, angle_rad: f64) -> f64 {
         angle_rad / self.map.u[1]

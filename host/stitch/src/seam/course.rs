@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::Seam;
 use super::gray::offset;
 
+/// Length of a chord of the cut, px.
+const CHORD_PX: usize = 8;
+
 /// What the cut passes, in numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -55,29 +58,38 @@ impl Seam {
     pub fn summary(&self) -> Option<Summary> {
         let map = &self.shares.map;
         let steps = self.steps();
-        let mut length_rad = 0.0;
         let (mut sum, mut most, mut feather) = (0.0, 0.0f64, 0.0);
         for step in &steps {
             let [a, b] = step.pixels;
             let energy = f64::from(self.energy[a] + self.energy[b]) / 2.0;
-            let pitch_rad = map.v[0] + (a / usize::from(map.size_px[0])) as f64 * map.v[1];
-            length_rad += if step.along_rows {
-                libm::cos(pitch_rad) * map.u[1]
-            } else {
-                map.v[1]
-            };
             sum += energy;
             most = most.max(energy);
             feather += 2.0 * self.half_px[a] * map.v[1];
         }
         let count = steps.len() as f64;
         (count > 0.0).then(|| Summary {
-            // A staircase is longer than the line it follows, by 4/pi on average over all slopes.
-            length_deg: (length_rad * std::f64::consts::FRAC_PI_4).to_degrees(),
+            length_deg: self.length_rad().to_degrees(),
             mean_energy: sum / count,
             max_energy: most,
             feather_deg: (feather / count).to_degrees(),
         })
+    }
+
+    /// Length of the lines by chords of a few pixels: the staircase itself would be too long.
+    fn length_rad(&self) -> f64 {
+        let ray = |[x, y]: [f64; 2]| self.shares.map.ray(x, y);
+        let chord = |pair: &[[f64; 2]]| {
+            let ends = ray(pair[0]).zip(ray(pair[1]));
+            ends.map_or(0.0, |(a, b)| {
+                tectum_optics::convention::angle_between(&a, &b)
+            })
+        };
+        let length = |line: &Vec<[f64; 2]>| {
+            let mut stops: Vec<[f64; 2]> = line.iter().step_by(CHORD_PX).copied().collect();
+            stops.extend(line.last());
+            stops.windows(2).map(chord).sum::<f64>()
+        };
+        self.lines_px().iter().map(length).sum()
     }
 
     /// The energy as a picture, brighter where a cut shows more (255 from `white_levels` on), with
@@ -117,7 +129,6 @@ impl Seam {
                     steps.push(Step {
                         pixels: [i, other],
                         corners: (from, (x + 1, y + 1)),
-                        along_rows: by == [0, 1],
                     });
                 }
             }
@@ -130,5 +141,4 @@ impl Seam {
 struct Step {
     pixels: [usize; 2],
     corners: ((usize, usize), (usize, usize)),
-    along_rows: bool,
 }

@@ -20,7 +20,7 @@ pub struct EnergyOptions {
 impl Default for EnergyOptions {
     fn default() -> Self {
         Self {
-            gradient_weight: 1.0,
+            gradient_weight: 0.1,
             sigmoid_per_level: None,
             length_levels: 1.0,
         }

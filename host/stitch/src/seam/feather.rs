@@ -27,7 +27,7 @@ pub struct FeatherOptions {
 impl Default for FeatherOptions {
     fn default() -> Self {
         Self {
-            narrowest_px: 3.0,
+            narrowest_px: 4.0,
             widest_px: 24.0,
             visible_levels: 16.0,
             visible_share: 0.1,

@@ -20,6 +20,8 @@ mod overlap;
 mod quality;
 mod shares;
 mod ssim;
+#[cfg(test)]
+mod tests;
 
 pub use band::band;
 pub use course::Summary;

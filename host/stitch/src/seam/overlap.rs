@@ -23,30 +23,42 @@ pub struct Overlap {
 
 impl Overlap {
     /// What the fields of both eyes leave open. Within `margin_px` of the border of one eye's field
-    /// the other eye shows the picture: the rim of a lens is dark and soft.
+    /// the other eye shows the picture: the rim of a lens is dark and soft. Towards a border a cut
+    /// gets up to twice as dear, by the square of the way out from the deepest pixel: so where the
+    /// pictures leave it open it keeps to the middle, with room for a transition.
     pub fn new(views: &Views, margin_px: f64) -> Self {
         let (size_px, wraps) = (views.size_px(), views.wraps());
-        let near_rim = |eye: usize| {
+        let rims = [0, 1].map(|eye: usize| {
             let unseen: Vec<bool> = views.eyes[eye].seen.iter().map(|seen| !seen).collect();
-            let nearest = Nearest::new(size_px, wraps, &unseen);
-            move |pixel| nearest.distance_px(pixel) <= margin_px
-        };
-        let (left_rim, right_rim) = (near_rim(0), near_rim(1));
-        let side = |i: usize| match [0, 1].map(|eye| views.eyes[eye].seen[i]) {
+            Nearest::new(size_px, wraps, &unseen)
+        });
+        let off_px = |i: usize| [0, 1].map(|eye: usize| rims[eye].distance_px(i));
+        let side = |i: usize| match [0, 1].map(|eye: usize| views.eyes[eye].seen[i]) {
             [false, false] => Side::Void,
             [true, false] => Side::Left,
             [false, true] => Side::Right,
-            [true, true] => match (left_rim(i), right_rim(i)) {
-                (true, false) => Side::Right,
-                (false, true) => Side::Left,
+            [true, true] => match off_px(i).map(|off_px| off_px <= margin_px) {
+                [true, false] => Side::Right,
+                [false, true] => Side::Left,
                 _ => Side::Either,
             },
+        };
+        let inmost = |i: usize| off_px(i)[0].min(off_px(i)[1]);
+        let pixels = 0..size_px[0] * size_px[1];
+        let deepest = pixels
+            .clone()
+            .map(inmost)
+            .filter(|d| d.is_finite())
+            .fold(1.0, f64::max);
+        let dearness = |i: usize| {
+            let outwards = 1.0 - (inmost(i) / deepest).min(1.0);
+            1.0 + (outwards * outwards) as f32
         };
         let mut overlap = Self {
             size_px,
             wraps,
-            sides: (0..size_px[0] * size_px[1]).map(side).collect(),
-            dearness: vec![1.0; size_px[0] * size_px[1]],
+            sides: pixels.clone().map(side).collect(),
+            dearness: pixels.map(dearness).collect(),
         };
         // The tips of the fields' crescents crumble into specks. They are one eye's alone, whatever
         // the cut says; taken for pieces of their own they would only hinder it.

@@ -170,3 +170,44 @@ pub(super) fn eroded(
     let near_outside = dilated(size_px, wraps, &outside, radius_px);
     near_outside.into_iter().map(|outside| !outside).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_numbers_are_the_peer_scripts() {
+        // Printed by the peers' `seam_quality.py` for this very picture, with masks of rows 8..56.
+        let texture = |x: usize, y: usize| 40 + ((x / 3) * 53 + (y / 4) * 29) % 160;
+        let (mut left, mut right, mut mixed) = (Vec::new(), Vec::new(), Vec::new());
+        let mut owns = Vec::new();
+        for (x, y) in (0..96 * 64).map(|i| (i % 96, i / 96)) {
+            let (l, r) = (texture(x, y), texture(x + 1, y) + 6);
+            let share = (x + 4).saturating_sub(45 + (y / 5) % 7).min(8);
+            left.push(l as f32);
+            right.push(r as f32);
+            mixed.push(((l * (8 - share) + r * share + 4) / 8) as f32);
+            owns.push(share < 4);
+        }
+        let gray = |values| Gray {
+            size_px: [96, 64],
+            wraps: false,
+            values,
+        };
+        let (left, right, mixed) = (gray(left), gray(right), gray(mixed));
+        let mask: Vec<bool> = (0..96 * 64).map(|i| (8..56).contains(&(i / 96))).collect();
+        let counted = eroded([96, 64], true, &mask, MARGIN_PX);
+        let quality = Quality::within(&mixed, [&left, &right], &counted, &owns).unwrap();
+        assert_eq!(quality.cut_px, 57);
+        // Four digits are printed; the script's Gaussian reaches a pixel farther.
+        assert!((quality.correlation - 0.5573).abs() < 1e-4, "{quality:?}");
+        assert!((quality.own_ssim - 0.9854).abs() < 3e-4, "{quality:?}");
+        assert!((quality.ghost - 0.0489).abs() < 1e-4, "{quality:?}");
+        assert!((quality.edge_excess + 14.1897).abs() < 1e-4, "{quality:?}");
+        let nobody = vec![false; 96 * 64];
+        assert_eq!(
+            Quality::within(&mixed, [&left, &right], &counted, &nobody),
+            None
+        );
+    }
+}

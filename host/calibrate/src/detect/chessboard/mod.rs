@@ -15,6 +15,8 @@ mod tests;
 use image::GrayImage;
 
 use crate::board::{BoardSize, Corner, View};
+use lattice::Lattice;
+use placed::Window;
 
 /// Fewest corners that are a view of a board.
 const LEAST_CORNERS: usize = 9;
@@ -24,6 +26,8 @@ const LEAST_PICTURE_PX: u32 = 24;
 const LEAST_LEVEL_PX: usize = 60;
 /// The largest grids of candidates are tried, this many.
 const TRIES: usize = 3;
+/// Boards that are looked for in one picture, at most.
+const MOST_BOARDS: usize = 12;
 
 /// Why a picture shows no board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -51,19 +55,9 @@ pub enum BoardMissing {
 /// # Errors
 /// [`BoardMissing`] if there is no board, or one of another size.
 pub fn detect(picture: &GrayImage, board: BoardSize) -> Result<View, BoardMissing> {
-    if picture.width().min(picture.height()) < LEAST_PICTURE_PX {
-        return Err(BoardMissing::Nothing);
-    }
-    let levels = plane::pyramid(picture, LEAST_LEVEL_PX);
-    let candidates = candidates::candidates(&levels);
-    let links = links::links(&levels, &candidates);
-    let grids = grid::grids(&candidates, &links, LEAST_CORNERS / 2);
-    let lattices = grids
-        .iter()
-        .take(TRIES)
-        .map(|grid| complete::complete(&levels[0], &candidates, grid));
-    let (mut lattice, window) = lattices
-        .filter(|lattice| !lattice.nodes.is_empty())
+    let (levels, lattices) = lattices(picture, TRIES);
+    let (lattice, window) = lattices
+        .into_iter()
         .map(|lattice| {
             let window = placed::window(&lattice, board);
             (lattice, window)
@@ -71,18 +65,76 @@ pub fn detect(picture: &GrayImage, board: BoardSize) -> Result<View, BoardMissin
         // The largest in the picture: a monitor may show the board once more.
         .max_by(|(a, in_a), (b, in_b)| a.area_px(in_a).total_cmp(&b.area_px(in_b)))
         .ok_or(BoardMissing::Nothing)?;
-    if let Some(seen) = placed::larger_board(&lattice, &window) {
+    view(&levels[0], lattice, &window, board)
+}
+
+/// Finds all boards of a size in a picture, as [`detect`] finds one; that with most corners first.
+/// A board that something cuts in two may come as two views.
+pub fn detect_all(picture: &GrayImage, board: BoardSize) -> Vec<View> {
+    let (levels, lattices) = lattices(picture, MOST_BOARDS);
+    let mut views: Vec<View> = Vec::new();
+    for lattice in lattices {
+        let window = placed::window(&lattice, board);
+        let Ok(view) = view(&levels[0], lattice, &window, board) else {
+            continue;
+        };
+        // Two candidates' grids may have grown into the same board.
+        let known = |corner: &Corner| views.iter().any(|view| view.is_near(corner.position_px));
+        if !view.corners.iter().any(known) {
+            views.push(view);
+        }
+    }
+    views.sort_by_key(|view| std::cmp::Reverse(view.corners.len()));
+    views
+}
+
+impl View {
+    /// Whether one of the corners is at a place.
+    fn is_near(&self, [x, y]: [f64; 2]) -> bool {
+        let places = self.corners.iter().map(|corner| corner.position_px);
+        places
+            .into_iter()
+            .any(|[u, v]| libm::hypot(u - x, v - y) < 2.0)
+    }
+}
+
+/// The picture's pyramid, and lattices grown from the largest grids of candidates.
+fn lattices(picture: &GrayImage, tries: usize) -> (Vec<plane::Plane>, Vec<Lattice>) {
+    let levels = plane::pyramid(picture, LEAST_LEVEL_PX);
+    if picture.width().min(picture.height()) < LEAST_PICTURE_PX {
+        return (levels, Vec::new());
+    }
+    let candidates = candidates::candidates(&levels);
+    let links = links::links(&levels, &candidates);
+    let grids = grid::grids(&candidates, &links, LEAST_CORNERS / 2);
+    let lattices = grids
+        .iter()
+        .take(tries)
+        .map(|grid| complete::complete(&levels[0], &candidates, grid))
+        .filter(|lattice| !lattice.nodes.is_empty())
+        .collect();
+    (levels, lattices)
+}
+
+/// The corners of a lattice that lie on the board.
+fn view(
+    picture: &plane::Plane,
+    mut lattice: Lattice,
+    window: &Window,
+    board: BoardSize,
+) -> Result<View, BoardMissing> {
+    if let Some(seen) = placed::larger_board(&lattice, window) {
         return Err(BoardMissing::OtherSize {
             seen,
             wanted: board,
         });
     }
     lattice.nodes.retain(|label, _| window.holds(*label));
-    complete::finish(&levels[0], &mut lattice);
+    complete::finish(picture, &mut lattice);
     if lattice.nodes.len() < LEAST_CORNERS {
         return Err(BoardMissing::Nothing);
     }
-    let mut corners: Vec<Corner> = placed::on_board(&lattice, &window, board)
+    let mut corners: Vec<Corner> = placed::on_board(&lattice, window, board)
         .into_iter()
         .map(|(label, (i, j))| Corner {
             i: i as u16,

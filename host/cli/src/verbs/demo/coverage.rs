@@ -4,9 +4,10 @@ use image::RgbImage;
 use serde::Serialize;
 use tectum_bake::Sights;
 use tectum_optics::convention::direction;
+use tectum_optics::design::Area;
 use tectum_optics::{OutputMap, Rig, RigEye};
 
-use crate::areas::{self, Area};
+use crate::areas;
 
 /// Directions along the horizon.
 const HORIZON_STEPS: u32 = 3600;

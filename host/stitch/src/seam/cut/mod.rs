@@ -3,10 +3,12 @@
 //! Two exact ways: [`shortest_cycle`] in the dual lattice where one piece of the picture is the
 //! left eye's and one the right's, which is the rule, and [`max_flow`] for everything else.
 
+mod corners;
 mod lattice;
 mod max_flow;
 mod queue;
 mod shortest_cycle;
+mod slit;
 #[cfg(test)]
 mod tests;
 

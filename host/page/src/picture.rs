@@ -4,13 +4,16 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::thumbnail;
-use image::{GrayImage, ImageFormat, RgbaImage};
+use image::{ImageBuffer, ImageFormat, PixelWithColorType, RgbaImage};
 
 /// Good enough to judge a corner by eye; a picture of 420 px takes about 20 kB.
 const JPEG_QUALITY: u8 = 72;
 
 /// A picture as a JPEG in a data URI, at most so wide; `None` if it is empty or too large for one.
-pub fn jpeg_uri(picture: &GrayImage, width: u32) -> Option<String> {
+pub fn jpeg_uri<P>(picture: &ImageBuffer<P, Vec<u8>>, width: u32) -> Option<String>
+where
+    P: PixelWithColorType<Subpixel = u8> + 'static,
+{
     let (w, h) = picture.dimensions();
     if w == 0 || h == 0 {
         return None;

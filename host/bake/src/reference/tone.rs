@@ -1,0 +1,49 @@
+//! Tone by definition.
+
+use tectum_core::{Channel, Eye, Tables};
+
+use super::position::round;
+use crate::Format;
+
+/// Channels of a format in the order of its planes.
+fn channels(format: Format) -> &'static [Channel] {
+    match format {
+        Format::Gray8 => &[Channel::Luma],
+        Format::Rgb8 | Format::Rgb565 => &[Channel::Red, Channel::Green, Channel::Blue],
+        Format::Yuyv => &[Channel::Luma, Channel::U, Channel::V],
+    }
+}
+
+/// What the `value` of plane `plane` of an eye's frame becomes.
+pub(super) fn toned(
+    tables: &Tables<'_>,
+    eye: Eye,
+    format: Format,
+    plane: usize,
+    value: f64,
+) -> f64 {
+    let Some(curve) = tables.curve(eye, channels(format)[plane]) else {
+        return value;
+    };
+    if format != Format::Rgb565 {
+        return f64::from(curve[value as usize]);
+    }
+    // Binary fraction .vvvvv becomes .vvvvvvvv: the bits go on as they began.
+    let full = if plane == 1 { 63.0 } else { 31.0 };
+    let repeated = (value + value / (full + 1.0)) * 256.0 / (full + 1.0);
+    round(f64::from(curve[repeated.floor() as usize]) * full / 255.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tectum_core::PixelFormat;
+
+    #[test]
+    fn planes_are_the_channels_of_the_core() {
+        assert_eq!(channels(Format::Gray8), tectum_core::Gray8::CHANNELS);
+        assert_eq!(channels(Format::Rgb8), tectum_core::Rgb8::CHANNELS);
+        assert_eq!(channels(Format::Rgb565), tectum_core::Rgb565::CHANNELS);
+        assert_eq!(channels(Format::Yuyv), tectum_core::Yuyv::CHANNELS);
+    }
+}

@@ -1,0 +1,154 @@
+//! `tectum match`: ways to find the same points in both eyes, side by side.
+
+mod drawing;
+mod row;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use image::GrayImage;
+use serde_json::json;
+use tectum_optics::Rig;
+use tectum_stitch::Eyes;
+use tectum_stitch::features::{
+    Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features,
+};
+
+use crate::progress::Progress;
+use crate::report::{Report, Usage};
+use crate::{files, pictures};
+use row::Row;
+
+/// Ways to match natural features between the eyes, measured side by side
+#[derive(clap::Args)]
+#[command(after_help = "EXAMPLES:\n  \
+    tectum match rig.toml --left l.png --right r.png -o matches.png\n  \
+    tectum match rig.toml --left l/*.png --right r/*.png --matcher rootsift,orb --calibrated --json\n\n\
+    The rig's geometry says which matches are right: within 0.5 degrees of the epipolar plane, ahead\n\
+    of both eyes, less than 40 degrees of parallax. By chance is the share that passes if left and\n\
+    right are paired at random. Then the share that RANSAC keeps, without knowing the geometry: by a\n\
+    homography (3 px), as stitchers of flat pictures do, and by a relative pose on rays (0.4 degrees),\n\
+    with how far the rotation found is from the rig's.\n\
+    Raw pictures are matched as they are; calibrated ones as a tile of the overlap, upright for both\n\
+    eyes. The picture shows the first pair: right matches green, wrong ones red.")]
+pub struct Args {
+    /// Rig whose eyes took the pictures
+    rig: PathBuf,
+    /// Pictures of the left eye
+    #[arg(long, value_name = "A", required = true, num_args = 1..)]
+    left: Vec<PathBuf>,
+    /// Pictures of the right eye, taken at the same times
+    #[arg(long, value_name = "B", required = true, num_args = 1..)]
+    right: Vec<PathBuf>,
+    /// Ways to match: sift, rootsift, orb, superpoint
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "sift,rootsift,orb"
+    )]
+    matcher: Vec<Matcher>,
+    /// Weights of SuperPoint's network
+    #[arg(long, value_name = "FILE.onnx")]
+    weights: Option<PathBuf>,
+    /// Match the pictures as they are only
+    #[arg(long, conflicts_with = "calibrated")]
+    raw: bool,
+    /// Match calibrated pictures of the overlap only
+    #[arg(long)]
+    calibrated: bool,
+    /// Picture of the first pair's matches to write
+    #[arg(short, long, value_name = "MATCHES.png")]
+    output: Option<PathBuf>,
+}
+
+/// Both pictures of a shot.
+type Shot = Eyes<GrayImage>;
+
+/// Matches and measures.
+pub fn run(args: &Args) -> anyhow::Result<Report> {
+    if args.left.len() != args.right.len() {
+        let counts = format!("{} left, {} right", args.left.len(), args.right.len());
+        return Err(Usage(format!("pictures come in pairs, here are {counts}")).into());
+    }
+    if let Some(output) = &args.output {
+        pictures::format_of(output)?;
+        files::check_writable(output)?;
+    }
+    let detectors = detectors(args)?;
+    let rig = Rig::load(&args.rig)?;
+    let overlap = Overlap::new(&rig, 0.0)
+        .with_context(|| format!("{}: a rig with both eyes is needed", args.rig.display()))?;
+    if !overlap.exists() {
+        bail!("{}: the eyes' fields do not overlap", args.rig.display());
+    }
+    let shots = shots(args, &overlap)?;
+    let rows = rows(args, &overlap, &shots, &detectors)?;
+    if let Some(output) = &args.output {
+        pictures::save(output, drawing::draw(&shots[0], &rows))?;
+    }
+    let json = json!({
+        "pairs": shots.len(),
+        "rows": rows.iter().map(table::json).collect::<Vec<_>>(),
+        "picture": args.output,
+    });
+    Ok(Report::new(table::text(&rows), json))
+}
+
+fn detectors(args: &Args) -> anyhow::Result<Vec<(Matcher, Detector)>> {
+    let detector = |name: &Matcher| Ok((*name, Detector::new(*name, args.weights.as_deref())?));
+    args.matcher.iter().map(detector).collect()
+}
+
+fn shots(args: &Args, overlap: &Overlap) -> anyhow::Result<Vec<Shot>> {
+    let load = |path: &Path, eye: usize| {
+        let picture = pictures::load_gray(path)?;
+        let [w, h] = overlap.eyes[eye].eye.size_px.map(u32::from);
+        let (width, height) = picture.dimensions();
+        if (width, height) != (w, h) {
+            bail!(
+                "{}: the picture is {width}x{height} px, the rig's eye is {w}x{h} px: give a picture \
+                 of that camera",
+                path.display()
+            );
+        }
+        Ok(picture)
+    };
+    let pairs = args.left.iter().zip(&args.right);
+    pairs
+        .map(|(left, right)| Ok([load(left, 0)?, load(right, 1)?]))
+        .collect()
+}
+
+fn rows(
+    args: &Args,
+    overlap: &Overlap,
+    shots: &[Shot],
+    detectors: &[(Matcher, Detector)],
+) -> anyhow::Result<Vec<Row>> {
+    let views: &[View] = match (args.raw, args.calibrated) {
+        (true, _) => &[View::Raw],
+        (_, true) => &[View::Calibrated],
+        _ => &[View::Raw, View::Calibrated],
+    };
+    let progress = Progress::new((views.len() * detectors.len() * shots.len()) as u64);
+    let mut rows = Vec::new();
+    for view in views {
+        for (matcher, detector) in detectors {
+            let mut features = [0; 2];
+            let mut matches = Vec::new();
+            for (shot, pictures) in shots.iter().enumerate() {
+                progress.step(format!("{}, pair {}", matcher.name(), shot + 1));
+                let found = shot_features(overlap, pictures.each_ref(), detector, *view)?;
+                for (sum, eye) in features.iter_mut().zip(&found) {
+                    *sum += eye.len();
+                }
+                matches.extend(correspond(&found, shot, LOWE_RATIO));
+            }
+            let name = matcher.name().to_owned();
+            rows.push(Row::measure(name, *view, features, matches, overlap));
+        }
+    }
+    Ok(rows)
+}

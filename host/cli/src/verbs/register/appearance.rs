@@ -1,0 +1,164 @@
+//! Colours, seam and alignment: what the eyes' pictures add to their poses.
+
+use anyhow::Context;
+use image::RgbImage;
+use tectum_bake::{BakeOptions, Format, Pair, Pass, bake, stitch};
+use tectum_core::{Sampler, Tables};
+use tectum_optics::{Projection, RgbCurves, Rig};
+use tectum_stitch::align::{AlignOptions, AlignSummary, Warp, align};
+use tectum_stitch::colour::{ColourSummary, match_eyes, midway, toned};
+use tectum_stitch::seam::{Overlap, Quality, Seam, SeamOptions, band};
+use tectum_stitch::{Eyes, Views};
+
+use super::{Args, ToneName};
+
+/// Frame in which colours are compared, px a turn: cells there are wider than a degree anyway.
+const COLOUR_WIDTH_PX: u16 = 1024;
+/// Stitched picture of the report, px.
+const SHOWN_PX: [u16; 2] = [1536, 768];
+
+/// What was found.
+pub struct Appearance {
+    pub curves: Option<Eyes<RgbCurves>>,
+    pub colour: Option<ColourSummary>,
+    pub seam: Option<Seam>,
+    pub warp: Option<Warp>,
+    pub alignment: Option<AlignSummary>,
+    /// Similarity along the seam before and after alignment: angle around the eyes' axis, rad, and
+    /// SSIM.
+    pub along: [Vec<[f64; 2]>; 2],
+    /// What could not be done, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Appearance {
+    pub fn find(args: &Args, rig: &Rig, pictures: &[Eyes<RgbImage>]) -> anyhow::Result<Self> {
+        let mut found = Self {
+            curves: None,
+            colour: None,
+            seam: None,
+            warp: None,
+            alignment: None,
+            along: [Vec::new(), Vec::new()],
+            warnings: Vec::new(),
+        };
+        found.match_colours(args, rig, pictures)?;
+        if args.no_seam {
+            return Ok(found);
+        }
+        let shots: Vec<Eyes<&RgbImage>> = pictures.iter().map(|pair| pair.each_ref()).collect();
+        let options = AlignOptions {
+            width_px: args.width,
+            ..AlignOptions::default()
+        };
+        if args.no_align {
+            found.seam = Some(found.cut(rig, &shots, &options)?);
+        } else {
+            let aligned = align(rig, &shots, found.curves.as_ref(), &options)?;
+            (found.seam, found.warp) = (Some(aligned.seam), aligned.warp);
+            found.alignment = Some(aligned.summary);
+            found.along = aligned.along;
+        }
+        Ok(found)
+    }
+
+    fn match_colours(
+        &mut self,
+        args: &Args,
+        rig: &Rig,
+        pictures: &[Eyes<RgbImage>],
+    ) -> anyhow::Result<()> {
+        if args.tone == ToneName::None {
+            return Ok(());
+        }
+        let frame = band(rig, COLOUR_WIDTH_PX)?;
+        let views = pictures.iter();
+        let views: Vec<Views> = views
+            .map(|pair| Views::render(rig, pair.each_ref(), &frame))
+            .collect();
+        if args.tone == ToneName::Histogram {
+            self.curves = Some(midway(&views)?);
+            return Ok(());
+        }
+        match match_eyes(rig, &views) {
+            Ok(found) => {
+                self.curves = Some(found.curves);
+                self.colour = Some(found.summary);
+            }
+            // A small overlap does not stop registration: the eyes keep their colours.
+            Err(error) => self
+                .warnings
+                .push(format!("Colours are not matched: {error}.")),
+        }
+        Ok(())
+    }
+
+    fn cut(
+        &self,
+        rig: &Rig,
+        shots: &[Eyes<&RgbImage>],
+        options: &AlignOptions,
+    ) -> anyhow::Result<Seam> {
+        let frame = band(rig, options.width_px)?;
+        let view = |pair: &Eyes<&RgbImage>| {
+            let mut views = Views::render(rig, *pair, &frame);
+            if let Some(curves) = &self.curves {
+                for (view, curves) in views.eyes.iter_mut().zip(curves) {
+                    *view = toned(view, curves);
+                }
+            }
+            views
+        };
+        let views: Vec<Views> = shots.iter().map(view).collect();
+        let overlap = Overlap::new(&views[0], options.margin_px);
+        Ok(Seam::find(&views, overlap, &SeamOptions::default())?)
+    }
+}
+
+/// The first pair, as the fish stitches it.
+pub struct Stitched {
+    pub picture: RgbImage,
+    /// How well its seam is hidden; `None` if no cut runs where both eyes see.
+    pub quality: Option<Quality>,
+}
+
+/// Bakes the rig, stitches a pair with the core and measures the seam.
+pub fn stitched(rig: &Rig, pictures: &Eyes<RgbImage>) -> anyhow::Result<Stitched> {
+    let output = Projection::Equirect.output_map(SHOWN_PX)?;
+    let options = BakeOptions {
+        output,
+        // A picture to look at.
+        max_error_px: 0.1,
+        feather_rad: 1f64.to_radians(),
+    };
+    let baked = bake(rig, &options)?;
+    let tables = Tables::parse(&baked.bytes)
+        .map_err(|error| anyhow::anyhow!("the table just baked is refused: {error}: a bug"))?;
+    let pair = Pair {
+        left: pictures[0].as_raw(),
+        right: pictures[1].as_raw(),
+    };
+    let bytes = stitch(&tables, Format::Rgb8, Sampler::Bilinear, Pass::Both, pair)?;
+    let [width, height] = SHOWN_PX.map(u32::from);
+    let picture =
+        RgbImage::from_raw(width, height, bytes).context("a picture of the wrong length: a bug")?;
+    let stitching = rig.stitching.as_ref();
+    let seam = stitching.and_then(|stitching| stitching.seam.as_ref());
+    let quality = seam.and_then(|seam| {
+        let mut views = Views::render(rig, pictures.each_ref(), &output);
+        if let Some(curves) = stitching.and_then(|stitching| stitching.tone.as_ref()) {
+            for (view, curves) in views.eyes.iter_mut().zip(curves) {
+                *view = toned(view, curves);
+            }
+        }
+        let [width, _] = views.size_px();
+        let owns = |i: usize| {
+            let ray = output.ray((i % width) as f64, (i / width) as f64);
+            ray.is_some_and(|ray| seam.left_share(&ray) >= 0.5)
+        };
+        let owns: Vec<bool> = (0..views.eyes[0].seen.len()).map(owns).collect();
+        let shown: Vec<[f32; 3]> = picture.pixels().map(|p| p.0.map(f32::from)).collect();
+        Quality::measure(&views, &shown, &owns)
+    });
+    Ok(Stitched { picture, quality })
+}

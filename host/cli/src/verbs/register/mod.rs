@@ -1,0 +1,206 @@
+//! `tectum register`: pictures that both eyes took at once to a rig whose eyes fit together.
+
+mod appearance;
+mod outputs;
+mod page;
+mod summary;
+mod ties;
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::ValueEnum;
+use image::RgbImage;
+use tectum_calibrate::BoardSize;
+use tectum_optics::Rig;
+use tectum_stitch::Eyes;
+use tectum_stitch::registration::{Options, Registration, register};
+
+use crate::paired::{self, PairArgs};
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::{detecting, files};
+use appearance::Appearance;
+use ties::Ties;
+
+/// Pairs whose colours and seam are looked at: more tell nothing new, and each takes a second.
+const LOOKED_AT: usize = 12;
+
+/// Pictures that both eyes took at once to a rig whose eyes fit together
+#[derive(clap::Args)]
+#[command(after_help = "EXAMPLES:\n  \
+    tectum register rig.toml --left l --right r --target overlap.json -o fish.toml --report fish.html\n  \
+    tectum register rig.toml --left l --right r --board 8x6 --square-mm 30 -o fish.toml\n  \
+    tectum register rig.toml --left l.png --right r.png --matcher rootsift -o fish.toml\n  \
+    tectum register rig.toml --picture both.jpg --keep-poses -o fish.toml\n\n\
+    The rig's eyes are turned, and their lenses scaled by a little, until both see the same points in\n\
+    the same directions: corners of boards (`tectum board` writes the target's JSON beside the print),\n\
+    or natural features, for which the eyes must not have turned by more than 10 degrees. Then the\n\
+    colours are matched, the seam is cut where it shows least, and the eyes are bent towards each\n\
+    other along it where that makes it better. `tectum bake` puts all of it into the table; the fish\n\
+    pays nothing for it.\n\n\
+    Beside OUT.toml are written OUT-seam.png, OUT-tone.png and OUT-warp.png, which it names.")]
+pub struct Args {
+    /// Rig file to begin with
+    rig: PathBuf,
+    #[command(flatten)]
+    pairs: PairArgs,
+    /// Rig file to write
+    #[arg(short, long, value_name = "OUT.toml")]
+    output: PathBuf,
+    /// Boards and markers in the pictures, as `tectum board` describes them
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["board", "keep_poses"])]
+    target: Option<PathBuf>,
+    /// Inner corners of a chessboard without a marker, columns x rows
+    #[arg(long, value_name = "8x6", value_parser = detecting::board, requires = "square_mm")]
+    board: Option<BoardSize>,
+    /// Side of its squares, measured on the print, mm
+    #[arg(long, value_name = "MM", requires = "board")]
+    square_mm: Option<f64>,
+    /// How points are matched (default: boards if there are any, else rootsift)
+    #[arg(long, value_enum, value_name = "NAME")]
+    matcher: Option<MatcherName>,
+    /// Weights of SuperPoint's network
+    #[arg(long, value_name = "FILE.onnx")]
+    weights: Option<PathBuf>,
+    /// Leave the eyes as the rig has them: colours, seam and alignment only
+    #[arg(long, conflicts_with_all = ["board", "matcher"])]
+    keep_poses: bool,
+    /// How colours are brought together
+    #[arg(long, value_enum, default_value_t = ToneName::Match)]
+    tone: ToneName,
+    /// Leave the seam to geometry: the nearer optical axis wins
+    #[arg(long)]
+    no_seam: bool,
+    /// Bend nothing along the seam
+    #[arg(long)]
+    no_align: bool,
+    /// Width of the pictures in which the seam is sought, px a turn
+    #[arg(long, value_name = "PX", default_value_t = 2048,
+          value_parser = clap::value_parser!(u16).range(256..=8192))]
+    width: u16,
+    /// Report to write: one HTML page
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MatcherName {
+    /// Corners of boards
+    Board,
+    /// SIFT
+    Sift,
+    /// SIFT with square roots, and once more along the epipolar planes
+    Rootsift,
+    /// ORB
+    Orb,
+    /// A network; needs --weights
+    Superpoint,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ToneName {
+    /// Exposure and white balance, robustly, the lens's falloff told apart
+    Match,
+    /// The paper's: both histograms of the overlap become one
+    Histogram,
+    /// As they are
+    None,
+}
+
+/// Registers.
+pub fn run(args: &Args) -> anyhow::Result<Report> {
+    let rig = Rig::load(&args.rig)?;
+    let outputs = outputs::Outputs::new(args);
+    for file in outputs.all() {
+        files::check_writable(file)?;
+    }
+    let paired = args.pairs.paired()?;
+    let progress = Progress::new(4);
+    progress.step("matching");
+    let (ties, registration) = if args.keep_poses {
+        (None, None)
+    } else {
+        let ties = Ties::find(args, &rig, &paired.files)?;
+        progress.step("registering");
+        let registration = register(&rig, &ties.ties, &Options::default());
+        let registration = registration.map_err(|error| ties.explain(error))?;
+        (Some(ties), Some(registration))
+    };
+    let registered = registration.as_ref().map_or(&rig, |found| &found.rig);
+    let every = paired.files.len().div_ceil(LOOKED_AT).max(1);
+    let looked_at = paired.files.iter().step_by(every);
+    let pictures: anyhow::Result<Vec<Eyes<RgbImage>>> = looked_at
+        .map(|files| paired::load(registered, files))
+        .collect();
+    let pictures = pictures?;
+    progress.step("colours and seam");
+    let appearance = Appearance::find(args, registered, &pictures)?;
+    progress.step("writing");
+    let rig = outputs.write_rig(registered, &appearance)?;
+    let stitched = appearance::stitched(&rig, &pictures[0])?;
+    let done = Done {
+        args,
+        files: &paired.files,
+        ties: ties.as_ref(),
+        registration: registration.as_ref(),
+        appearance: &appearance,
+        stitched: &stitched,
+        pictures: &pictures,
+        every,
+    };
+    if let Some(path) = &args.report {
+        files::write(path, page::html(&done).as_bytes())?;
+    }
+    Ok(summary::report(&done, &paired.alone, &outputs))
+}
+
+/// All that was done.
+struct Done<'a> {
+    args: &'a Args,
+    files: &'a [Eyes<PathBuf>],
+    ties: Option<&'a Ties>,
+    registration: Option<&'a Registration>,
+    appearance: &'a Appearance,
+    stitched: &'a appearance::Stitched,
+    /// Of every so many shots.
+    pictures: &'a [Eyes<RgbImage>],
+    every: usize,
+}
+
+impl Done<'_> {
+    /// Name of a shot.
+    fn shot_name(&self, shot: usize) -> String {
+        let [left, right] = &self.files[shot];
+        let name = |file: &PathBuf| {
+            file.file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned()
+        };
+        match name(left) == name(right) {
+            true => name(left),
+            false => format!("{} and {}", name(left), name(right)),
+        }
+    }
+}
+
+/// Matches that agree.
+fn agreeing(found: &Registration) -> usize {
+    found.inliers.iter().filter(|agrees| **agrees).count()
+}
+
+impl Args {
+    /// Refuses what contradicts itself, or names the way to match.
+    fn matcher(&self) -> anyhow::Result<MatcherName> {
+        let boards = self.target.is_some() || self.board.is_some();
+        match self.matcher {
+            Some(MatcherName::Board) if !boards => bail!(
+                "--matcher board needs the board: --target FILE.json, or --board 8x6 --square-mm 30"
+            ),
+            Some(matcher) => Ok(matcher),
+            None if boards => Ok(MatcherName::Board),
+            None => Ok(MatcherName::Rootsift),
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! What registration says, to a person and to a script.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use serde_json::{Value, json};
+
+use super::outputs::Outputs;
+use super::{Done, agreeing};
+use crate::report::Report;
+
+/// The verb's report.
+pub fn report(done: &Done, alone: &[PathBuf], outputs: &Outputs) -> Report {
+    let mut text = format!(
+        "{}: {} pairs of pictures\n\n",
+        done.args.output.display(),
+        done.files.len()
+    );
+    poses(done, &mut text);
+    appearance(done, &mut text);
+    for warning in &done.appearance.warnings {
+        let _ = writeln!(text, "{warning}");
+    }
+    for line in done.ties.into_iter().flat_map(|ties| ties.refused()) {
+        let _ = writeln!(text, "no matches in {line}");
+    }
+    for file in alone {
+        let _ = writeln!(text, "no partner for {}", file.display());
+    }
+    let written = outputs.written(done.appearance);
+    let names: Vec<String> = written
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
+    let _ = writeln!(text, "wrote      {}", names.join(", "));
+    let json = json!({
+        "pairs": done.files.len(),
+        "unpaired": alone,
+        "matcher": done.ties.map(|ties| ties.matcher),
+        "matches": done.ties.map(|ties| ties.ties.len()),
+        "refused": done.ties.map(|ties| ties.refused().collect::<Vec<_>>()),
+        "inliers": done.registration.map(|found| agreeing(found)),
+        "rms_px": done.registration.map(|found| found.rms_px),
+        "rms_deg": done.registration.map(|found| found.rms_deg),
+        "registration": done.registration,
+        "colour": done.appearance.colour,
+        "alignment": done.appearance.alignment,
+        "seam": seam_json(done),
+        "warnings": done.appearance.warnings,
+        "files": written,
+    });
+    Report::new(text, json)
+}
+
+fn seam_json(done: &Done) -> Value {
+    let alignment = done.appearance.alignment.as_ref();
+    json!({
+        "ssim": alignment.map(|found| found.ssim_after),
+        "ssim_before": alignment.map(|found| found.ssim_before),
+        "zncc_error": done.stitched.quality.map(|quality| 1.0 - quality.correlation),
+        "quality": done.stitched.quality,
+        "cut": done.appearance.seam.as_ref().and_then(|seam| seam.summary()),
+    })
+}
+
+fn poses(done: &Done, text: &mut String) {
+    let (Some(ties), Some(found)) = (done.ties, done.registration) else {
+        let _ = writeln!(text, "poses      kept");
+        return;
+    };
+    let _ = writeln!(
+        text,
+        "matches    {} of {} agree, by {}\n\
+         residual   {:.3} px, {:.4} degrees RMS\n\
+         turned     {:.3} degrees against each other, standard error {:.4}\n\
+         scales     {:.5} left, {:.5} right\n\
+         baseline   {:.1} mm",
+        agreeing(found),
+        ties.ties.len(),
+        ties.matcher,
+        found.rms_px,
+        found.rms_deg,
+        found.turn_deg,
+        found.turn_standard_error_deg,
+        found.lens_scales[0],
+        found.lens_scales[1],
+        found.baseline_m * 1e3,
+    );
+    let rows = found
+        .parallax
+        .iter()
+        .map(|row| format!("{:.2} degrees at {} m", row.angle_deg.abs(), row.range_m));
+    let rows: Vec<String> = rows.collect();
+    if found.baseline_m > 0.0 {
+        let _ = writeln!(text, "parallax   {}", rows.join(", "));
+    }
+}
+
+fn appearance(done: &Done, text: &mut String) {
+    let found = done.appearance;
+    if let Some(colour) = &found.colour {
+        let _ = writeln!(
+            text,
+            "colours    {:.1} levels apart, {:.1} after the curves",
+            colour.before.mean_abs, colour.after.mean_abs
+        );
+    }
+    if let Some(alignment) = &found.alignment {
+        let accepted = alignment
+            .pieces
+            .iter()
+            .filter(|piece| piece.accepted)
+            .count();
+        let _ = writeln!(
+            text,
+            "alignment  {accepted} of {} bad pieces of the seam, bent by up to {:.2} degrees; SSIM \
+             along it {:.3}, {:.3} after",
+            alignment.pieces.len(),
+            alignment.greatest_deg,
+            alignment.ssim_before,
+            alignment.ssim_after
+        );
+    }
+    if let Some(quality) = &done.stitched.quality {
+        let _ = writeln!(
+            text,
+            "seam       own SSIM {:.3}, ghosts {:.1} %, steps {:+.2} levels",
+            quality.own_ssim,
+            100.0 * quality.ghost,
+            quality.edge_excess
+        );
+    }
+}

@@ -1,0 +1,250 @@
+//! Where the eyes are, from pictures of whatever is there.
+
+use image::GrayImage;
+use nalgebra::Vector3;
+use tectum_optics::{Rig, RigEye};
+
+use super::pose::rotation_between;
+use super::selection::rotation_suffices;
+use super::{
+    EpipolarError, Model, RansacOptions, RansacResult, RayCheck, RayPair, Refined, RelativePose,
+    guided, ransac, refine,
+};
+use crate::features::{Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features};
+use crate::{Correspondence, Eyes};
+
+/// How the pose is found, and when it is believed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MarkerlessOptions {
+    /// The eyes may have turned by this since the rig was measured, rad.
+    pub most_turn_rad: f64,
+    /// Residuals above this are outliers, rad.
+    pub threshold_rad: f64,
+    /// Matches that must agree.
+    pub least_inliers: usize,
+    /// Greatest standard error of the rotation about any axis, rad.
+    pub most_error_rad: f64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for MarkerlessOptions {
+    fn default() -> Self {
+        Self {
+            most_turn_rad: 10f64.to_radians(),
+            threshold_rad: 0.4f64.to_radians(),
+            least_inliers: 20,
+            most_error_rad: 0.3f64.to_radians(),
+            seed: 0,
+        }
+    }
+}
+
+/// The eyes' relative pose and what it rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Markerless {
+    /// The pose.
+    pub pose: RelativePose,
+    /// Standard errors of a further rotation about the left camera's x, y, z, rad. They tell what
+    /// the scatter of the matches does, not what a wrong lens calibration does.
+    pub rotation_standard_error_rad: Vector3<f64>,
+    /// The same about the axis that is known worst, rad.
+    pub worst_rotation_error_rad: f64,
+    /// Standard error of the baseline's direction, rad.
+    pub baseline_standard_error_rad: f64,
+    /// Matches that agree.
+    pub inliers: Vec<Correspondence>,
+    /// All matches.
+    pub matches: usize,
+    /// RMS of the inliers' residuals, rad.
+    pub rms_rad: f64,
+    /// How far the rotation is from the rig's, rad.
+    pub turned_rad: f64,
+}
+
+/// A second-best pose must score less than this share of the best.
+const MOST_RIVAL_SHARE: f64 = 0.8;
+/// Rounds of matching along the planes of the pose so far.
+const GUIDED_ROUNDS: usize = 2;
+
+/// The pose of the right eye relative to the left from pictures that both took at the same time.
+///
+/// Raw pictures are matched first (RootSIFT), a seeded search finds the pose that most matches of
+/// all shots agree on, then upright features on a common tile are matched along its epipolar planes
+/// and the pose is refined over all of them.
+///
+/// # Errors
+/// [`EpipolarError`] if pictures do not fit, the eyes share too little, or no pose can be trusted.
+pub fn markerless(
+    rig: &Rig,
+    shots: &[Eyes<GrayImage>],
+    options: &MarkerlessOptions,
+) -> Result<Markerless, EpipolarError> {
+    let overlap = Overlap::new(rig, options.most_turn_rad).ok_or(EpipolarError::OneEye)?;
+    let eyes = overlap.eyes.clone();
+    check_sizes(&eyes, shots)?;
+    if shots.is_empty() {
+        return Err(EpipolarError::NoShots);
+    }
+    if !overlap.exists() {
+        return Err(EpipolarError::NoOverlap);
+    }
+    let detector = Detector::new(Matcher::RootSift, None)?;
+    let mut matches = Vec::new();
+    for (shot, pictures) in shots.iter().enumerate() {
+        let features = shot_features(&overlap, pictures.each_ref(), &detector, View::Raw)?;
+        matches.extend(correspond(&features, shot, LOWE_RATIO));
+    }
+    let mut pose = first_pose(&eyes, &matches, options)?;
+    let turned_rad =
+        |pose: &RelativePose| rotation_between(&RelativePose::of(&eyes).rotation, &pose.rotation);
+    check_turn(turned_rad(&pose), options)?;
+    let raw_matches = matches.clone();
+    for _ in 0..GUIDED_ROUNDS {
+        matches = raw_matches.clone();
+        for (shot, pictures) in shots.iter().enumerate() {
+            let band = RayCheck::default();
+            let more = guided::correspond(&eyes, &pose, pictures.each_ref(), shot, &band)?;
+            matches.extend(more);
+        }
+        pose = refined(&eyes, &matches, &pose, options)?.pose;
+    }
+    let fine = refined(&eyes, &matches, &pose, options)?;
+    finish(&eyes, matches, &fine, turned_rad(&fine.pose), options)
+}
+
+fn check_sizes(eyes: &Eyes<RigEye>, shots: &[Eyes<GrayImage>]) -> Result<(), EpipolarError> {
+    for (shot, pictures) in shots.iter().enumerate() {
+        for ((picture, eye), name) in pictures.iter().zip(eyes).zip(["left", "right"]) {
+            let [needed_width, needed_height] = eye.eye.size_px;
+            let (width, height) = picture.dimensions();
+            if [width, height] != eye.eye.size_px.map(u32::from) {
+                return Err(EpipolarError::Size {
+                    shot,
+                    eye: name,
+                    width,
+                    height,
+                    needed_width,
+                    needed_height,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_turn(turned_rad: f64, options: &MarkerlessOptions) -> Result<(), EpipolarError> {
+    if turned_rad > options.most_turn_rad {
+        return Err(EpipolarError::FarFromRig {
+            turned_deg: turned_rad.to_degrees(),
+            most_deg: options.most_turn_rad.to_degrees(),
+        });
+    }
+    Ok(())
+}
+
+fn pairs(eyes: &Eyes<RigEye>, matches: &[Correspondence]) -> Vec<RayPair> {
+    matches
+        .iter()
+        .filter_map(|c| RayPair::new(eyes, c))
+        .collect()
+}
+
+/// The pose that most matches agree on.
+fn first_pose(
+    eyes: &Eyes<RigEye>,
+    matches: &[Correspondence],
+    options: &MarkerlessOptions,
+) -> Result<RelativePose, EpipolarError> {
+    let pairs = pairs(eyes, matches);
+    let search = |model| {
+        let options = RansacOptions {
+            model,
+            threshold_rad: options.threshold_rad,
+            seed: options.seed,
+            ..RansacOptions::default()
+        };
+        ransac(&pairs, &options)
+    };
+    let too_few = |agreeing| EpipolarError::TooFew {
+        agreeing,
+        matches: pairs.len(),
+        needed: options.least_inliers,
+    };
+    let rotation = search(Model::RotationOnly).ok_or(too_few(0))?;
+    let epipolar = search(Model::Epipolar).ok_or(too_few(0))?;
+    // A threshold is two standard deviations of what passes it.
+    let sigma_rad = options.threshold_rad / 2.0;
+    let best: RansacResult = if rotation_suffices(&pairs, &rotation, &epipolar, sigma_rad) {
+        rotation
+    } else {
+        epipolar
+    };
+    let agreeing = best.inliers.iter().filter(|inlier| **inlier).count();
+    if agreeing < options.least_inliers {
+        return Err(too_few(agreeing));
+    }
+    if best.rival_score > MOST_RIVAL_SHARE * best.score {
+        return Err(EpipolarError::Ambiguous {
+            best: best.score,
+            rival: best.rival_score,
+        });
+    }
+    Ok(best.pose)
+}
+
+fn refined(
+    eyes: &Eyes<RigEye>,
+    matches: &[Correspondence],
+    pose: &RelativePose,
+    options: &MarkerlessOptions,
+) -> Result<Refined, EpipolarError> {
+    let refined = refine(&pairs(eyes, matches), pose, 1.5 * options.threshold_rad);
+    refined.ok_or(EpipolarError::Uncertain {
+        error_deg: f64::INFINITY,
+        most_deg: options.most_error_rad.to_degrees(),
+    })
+}
+
+fn finish(
+    eyes: &Eyes<RigEye>,
+    matches: Vec<Correspondence>,
+    fine: &Refined,
+    turned_rad: f64,
+    options: &MarkerlessOptions,
+) -> Result<Markerless, EpipolarError> {
+    let all = matches.len();
+    let (inliers, squares): (Vec<Correspondence>, Vec<f64>) = matches
+        .into_iter()
+        .filter_map(|c| {
+            let miss = fine.pose.miss_rad(&RayPair::new(eyes, &c)?);
+            (miss < options.threshold_rad).then_some((c, miss * miss))
+        })
+        .unzip();
+    if inliers.len() < options.least_inliers {
+        return Err(EpipolarError::TooFew {
+            agreeing: inliers.len(),
+            matches: all,
+            needed: options.least_inliers,
+        });
+    }
+    if fine.worst_rotation_error_rad.is_nan()
+        || fine.worst_rotation_error_rad > options.most_error_rad
+    {
+        return Err(EpipolarError::Uncertain {
+            error_deg: fine.worst_rotation_error_rad.to_degrees(),
+            most_deg: options.most_error_rad.to_degrees(),
+        });
+    }
+    check_turn(turned_rad, options)?;
+    Ok(Markerless {
+        pose: fine.pose,
+        rotation_standard_error_rad: fine.rotation_standard_error_rad,
+        worst_rotation_error_rad: fine.worst_rotation_error_rad,
+        baseline_standard_error_rad: fine.baseline_standard_error_rad,
+        rms_rad: libm::sqrt(squares.iter().sum::<f64>() / squares.len() as f64),
+        inliers,
+        matches: all,
+        turned_rad,
+    })
+}

@@ -1,0 +1,124 @@
+//! The ways to read the labels of a board in both eyes.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+use tectum_calibrate::stereo::BoardPair;
+use tectum_calibrate::{Board, BoardPose};
+use tectum_optics::convention::angle_between;
+
+use super::placement::{Placement, labels};
+use super::seen::Seen;
+use super::{Cue, Match, MatchedCorner, Refusal};
+use crate::{Correspondence, Eyes};
+
+/// A board that both eyes see.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pairing {
+    board: Board,
+    seen: Eyes<Seen>,
+    /// Placements of both views; no two say the same about which corners are equal.
+    pub readings: Vec<Eyes<Placement>>,
+}
+
+impl Pairing {
+    /// With every reading that the placements leave open.
+    pub fn new(board: Board, seen: Eyes<Seen>) -> Self {
+        let ways = [0, 1].map(|eye: usize| match seen[eye].placement {
+            Some(placement) => vec![placement],
+            None => Placement::possible(&seen[eye].view, board.size),
+        });
+        let mut distinct = BTreeMap::new();
+        for left in &ways[0] {
+            for right in &ways[1] {
+                let relative = left.inverse().after(right);
+                distinct.entry(relative).or_insert([*left, *right]);
+            }
+        }
+        Self {
+            board,
+            seen,
+            readings: distinct.into_values().collect(),
+        }
+    }
+
+    /// Whether markers alone told the labels.
+    pub fn is_marked(&self) -> bool {
+        self.seen.iter().all(|seen| seen.placement.is_some())
+    }
+
+    /// For what several pairings agree on.
+    pub fn pair(&self) -> BoardPair {
+        let square_mm = self.board.square_mm;
+        let maps = self.readings.iter().map(|[left, right]| {
+            let left_from_right = left.inverse().after(right);
+            left_from_right.map(square_mm)
+        });
+        BoardPair {
+            left: self.seen[0].pose,
+            right: self.seen[1].pose,
+            readings: maps.collect(),
+            points_mm: self.ends_mm(),
+        }
+    }
+
+    /// The corners of the right view that lie farthest out along its diagonals.
+    fn ends_mm(&self) -> Vec<Vector3<f64>> {
+        let ends = [[1, 1], [1, -1], [-1, 1], [-1, -1]].map(|[a, b]: [i32; 2]| {
+            let along = |label: &[i32; 2]| a * label[0] + b * label[1];
+            labels(&self.seen[1].view).max_by_key(along)
+        });
+        let ends = ends.into_iter().flatten();
+        ends.map(|[i, j]| Vector3::new(f64::from(i), f64::from(j), 0.0) * self.board.square_mm)
+            .collect()
+    }
+
+    /// Greatest angle between where the right eye sees the ends of its view and where `relative`
+    /// (right camera <- left camera, mm) puts them, by reading, rad.
+    pub fn offsets_rad(&self, relative: &BoardPose) -> Vec<f64> {
+        let pair = self.pair();
+        let off = |reading: &BoardPose| {
+            let angles = pair.points_mm.iter().map(|point| {
+                let put = relative.apply(&pair.left.apply(&reading.apply(point)));
+                angle_between(&put, &pair.right.apply(point))
+            });
+            angles.fold(0.0, f64::max)
+        };
+        pair.readings.iter().map(off).collect()
+    }
+
+    /// The corners that both eyes see, by the reading with this index.
+    pub fn matched(&self, reading: usize, shot: usize, cue: Cue) -> Result<Match, Refusal> {
+        let placements = &self.readings[reading];
+        let by_label = [0, 1].map(|eye: usize| {
+            let view = &self.seen[eye].view;
+            let placed = labels(view).map(|label| placements[eye].apply(label));
+            let corners = placed.zip(&view.corners);
+            corners.collect::<BTreeMap<_, _>>()
+        });
+        let range_m = |eye: usize, corner: &tectum_calibrate::Corner| {
+            let point = self.board.corner_mm(corner.i, corner.j);
+            self.seen[eye].pose.apply(&point).norm() / 1000.0
+        };
+        let corners: Vec<MatchedCorner> = by_label[0]
+            .iter()
+            .filter_map(|(label, left)| {
+                let right = by_label[1].get(label)?;
+                Some(MatchedCorner {
+                    label: *label,
+                    point_mm: label.map(|k| f64::from(k) * self.board.square_mm),
+                    pair: Correspondence {
+                        shot,
+                        left_px: left.position_px,
+                        right_px: right.position_px,
+                    },
+                    ranges_m: [range_m(0, left), range_m(1, right)],
+                })
+            })
+            .collect();
+        if corners.is_empty() {
+            return Err(Refusal::NothingInCommon);
+        }
+        Ok(Match { cue, corners })
+    }
+}

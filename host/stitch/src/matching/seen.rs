@@ -1,0 +1,183 @@
+//! Which board of a picture is which target, where it is, and how it is labelled.
+
+use tectum_calibrate::target::Target;
+use tectum_calibrate::{Board, BoardPose, View};
+use tectum_optics::Eye;
+
+use super::error::{Refusal, Vote};
+use super::placement::{self, Placement};
+use super::pose::{Sight, board_pose};
+use super::sighting::{self, Sighting};
+
+/// A board is flat to within this share of a square, RMS, or the lens is not the one assumed.
+const FLAT_SHARE: f64 = 0.2;
+
+/// A target's board in one picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
+    /// Corners.
+    pub view: View,
+    /// Camera <- the view's labels, mm.
+    pub pose: BoardPose,
+    /// The board's labels from the view's, if the marker tells.
+    pub placement: Option<Placement>,
+}
+
+const NAMES: [&str; 2] = ["left", "right"];
+
+/// By target, what eye 0 (left) or 1 (right) sees of it. Boards that a marker claims are no one
+/// else's.
+pub fn boards(
+    eye: &Eye,
+    which: usize,
+    targets: &[Target],
+    sighting: &Sighting,
+) -> Vec<Result<Seen, Refusal>> {
+    let name = NAMES[which];
+    let posed: Vec<Vec<Option<Result<BoardPose, Refusal>>>> = targets
+        .iter()
+        .map(|target| posed(eye, name, target, sighting))
+        .collect();
+    let marked: Vec<_> = targets
+        .iter()
+        .zip(&posed)
+        .map(|(target, poses)| by_marker(eye, name, target, sighting, poses))
+        .collect();
+    let claimed: Vec<usize> = marked
+        .iter()
+        .filter_map(|marked| Some(marked.as_ref()?.as_ref().ok()?.0))
+        .collect();
+    let twice = |k: usize| claimed.iter().filter(|other| **other == k).count() > 1;
+    let results = marked.into_iter().zip(&posed).map(|(marked, poses)| {
+        let (index, placement) = match marked {
+            Some(Err(refusal)) => return Err(refusal),
+            Some(Ok((index, placement))) => {
+                if twice(index) {
+                    let vote = Vote::Place;
+                    return Err(Refusal::MarkerDisagrees { eye: name, vote });
+                }
+                (index, Some(placement))
+            }
+            None => {
+                let free = |k: &usize| poses[*k].is_some() && !claimed.contains(k);
+                let free: Vec<usize> = (0..poses.len()).filter(free).collect();
+                match free[..] {
+                    [index] => (index, None),
+                    [] if sighting.mirrored => return Err(Refusal::Mirrored { eye: name }),
+                    [] => return Err(Refusal::NoBoard { eye: name }),
+                    _ => {
+                        let boards = free.len();
+                        return Err(Refusal::SeveralBoards { eye: name, boards });
+                    }
+                }
+            }
+        };
+        if placement.is_none() && sighting.mirrored {
+            return Err(Refusal::Mirrored { eye: name });
+        }
+        let pose = poses[index].clone();
+        let pose = pose.unwrap_or(Err(Refusal::NoBoard { eye: name }))?;
+        Ok(Seen {
+            view: sighting.boards[index].view.clone(),
+            pose,
+            placement,
+        })
+    });
+    results.collect()
+}
+
+/// By board of the sighting: its pose if it has the target's size.
+fn posed(
+    eye: &Eye,
+    name: &'static str,
+    target: &Target,
+    sighting: &Sighting,
+) -> Vec<Option<Result<BoardPose, Refusal>>> {
+    let board = sighting::board(target);
+    let seen = sighting.boards.iter().map(|seen| {
+        let board = board.filter(|board| board.size == seen.size)?;
+        Some(pose(eye, name, board, &seen.view))
+    });
+    seen.collect()
+}
+
+fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<BoardPose, Refusal> {
+    let sights: Vec<Sight> = view
+        .corners
+        .iter()
+        .filter_map(|corner| {
+            Some(Sight {
+                point_mm: board.corner_mm(corner.i, corner.j),
+                ray: eye.model.unproject(corner.position_px).ok()?,
+            })
+        })
+        .collect();
+    let Some((pose, rms)) = board_pose(&sights) else {
+        return Err(Refusal::NoBoard { eye: name });
+    };
+    // Seen from behind, labels would run the other way round in the picture.
+    let normal = pose.rotation * nalgebra::Vector3::z();
+    if normal.dot(&pose.position_mm) <= 0.0 {
+        return Err(Refusal::Mirrored { eye: name });
+    }
+    let nearest = sights.iter().map(|s| pose.apply(&s.point_mm).norm());
+    let square_rad = board.square_mm / nearest.fold(f64::INFINITY, f64::min);
+    if rms > FLAT_SHARE * square_rad {
+        return Err(Refusal::NoPose {
+            eye: name,
+            rms_deg: rms.to_degrees(),
+        });
+    }
+    Ok(pose)
+}
+
+/// The board that the target's marker belongs to, and how it lies. `None` without the marker.
+fn by_marker(
+    eye: &Eye,
+    name: &'static str,
+    target: &Target,
+    sighting: &Sighting,
+    poses: &[Option<Result<BoardPose, Refusal>>],
+) -> Option<Result<(usize, Placement), Refusal>> {
+    let target = sighting::overlap(target)?;
+    let markers = sighting.markers_of(target);
+    let marker = match markers[..] {
+        [] => return None,
+        [marker] => marker,
+        _ => {
+            let id = target.id;
+            return Some(Err(Refusal::MarkerTwice { eye: name, id }));
+        }
+    };
+    let rays = marker
+        .corners_px
+        .map(|pixel| eye.model.unproject(pixel).ok());
+    // A marker on the rim tells nothing.
+    let [Some(a), Some(b), Some(c), Some(d)] = rays else {
+        return None;
+    };
+    let (mut placed, mut against, mut refused) = (Vec::new(), None, None);
+    for (index, pose) in poses.iter().enumerate() {
+        match pose {
+            None => {}
+            Some(Err(refusal)) => refused = Some(refusal.clone()),
+            Some(Ok(pose)) => {
+                let view = &sighting.boards[index].view;
+                match placement::by_marker(target, view, pose, &[a, b, c, d]) {
+                    Ok(placement) => placed.push((index, placement)),
+                    Err(vote) => against = Some(vote),
+                }
+            }
+        }
+    }
+    Some(match (&placed[..], against, refused) {
+        ([one], _, _) => Ok(*one),
+        ([], Some(vote), _) => Err(Refusal::MarkerDisagrees { eye: name, vote }),
+        ([], None, Some(refusal)) => Err(refusal),
+        ([], None, None) => Err(Refusal::NoBoard { eye: name }),
+        (several, _, _) => Err(Refusal::SeveralBoards {
+            eye: name,
+            boards: several.len(),
+        }),
+    })
+}
