@@ -5,6 +5,8 @@ use super::gray::offset;
 use super::nearest::Nearest;
 use crate::Views;
 
+/// How much dearer a cut at the border of the overlap is than in its middle.
+const RIM_DEARNESS: f64 = 0.5;
 /// Pieces smaller than this share of the largest are specks of the fields' borders.
 const SPECK: f64 = 0.01;
 
@@ -24,7 +26,7 @@ pub struct Overlap {
 impl Overlap {
     /// What the fields of both eyes leave open. Within `margin_px` of the border of one eye's field
     /// the other eye shows the picture: the rim of a lens is dark and soft. Towards a border a cut
-    /// gets up to twice as dear, by the square of the way out from the deepest pixel: so where the
+    /// gets up to half as dear again, by the square of the way out from the deepest pixel: so where the
     /// pictures leave it open it keeps to the middle, with room for a transition.
     pub fn new(views: &Views, margin_px: f64) -> Self {
         let (size_px, wraps) = (views.size_px(), views.wraps());
@@ -52,7 +54,7 @@ impl Overlap {
             .fold(1.0, f64::max);
         let dearness = |i: usize| {
             let outwards = 1.0 - (inmost(i) / deepest).min(1.0);
-            1.0 + (outwards * outwards) as f32
+            1.0 + (RIM_DEARNESS * outwards * outwards) as f32
         };
         let mut overlap = Self {
             size_px,

@@ -1,3 +1,5 @@
+use std::slice::from_ref;
+
 use nalgebra::Vector3;
 use tectum_optics::{Projection, Rig};
 
@@ -118,7 +120,7 @@ fn a_board_stays_whole_and_a_marker_is_passed_by() {
     let mut overlap = Overlap::new(&views, 2.0);
     let board = overlap.polygon(&[[30.0, 12.5], [50.0, 12.5], [50.0, 26.5], [30.0, 26.5]]);
     assert_eq!(board.iter().filter(|inside| **inside).count(), 20 * 14);
-    let find = |overlap| Seam::find(&[views.clone()], overlap, &SeamOptions::default()).unwrap();
+    let find = |overlap| Seam::find(from_ref(&views), overlap, &SeamOptions::default()).unwrap();
     let through = find(overlap.clone());
     assert!((0..WIDTH).all(|x| (18..=22).contains(&ends(&through)[x])));
     overlap.give(&board, Side::Right);
@@ -149,7 +151,7 @@ fn what_shows_in_one_shot_of_several_is_passed_by() {
             },
         )
     };
-    let alone = ends(&seam(&[still.clone()]));
+    let alone = ends(&seam(from_ref(&still)));
     assert!((40..48).all(|x| (18..=22).contains(&alone[x])));
     let several = seam(&[still.clone(), passing(40), passing(90)]);
     for x in (40..48).chain(90..98) {

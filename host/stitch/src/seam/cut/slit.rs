@@ -54,11 +54,8 @@ impl Slit {
             let costs = nodes.costs[near_node];
             nodes.links.push([NONE; 4]);
             nodes.costs.push(costs);
-            for direction in 0..4 {
-                let to = whole[i][direction];
-                if to == NONE {
-                    continue;
-                }
+            let links = whole[i].into_iter().enumerate();
+            for (direction, to) in links.filter(|(_, to)| *to != NONE) {
                 let other = place[to as usize];
                 let bank = |far: bool| match (far, other) {
                     (true, NONE) | (false, _) => to,
