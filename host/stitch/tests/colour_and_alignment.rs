@@ -45,8 +45,7 @@ fn colours_of_real_eyes_meet() {
             .unwrap()
             .summary;
         println!("{picture}: {found:.3?}");
-        assert!(found.after.mean_abs <= found.before.mean_abs, "{picture}");
-        // The cast alone: parallax and the lens's falloff leave some.
+        // Half of the cells differ by less than this, whatever parallax makes of the others.
         assert!(found.after.bias.iter().all(|b| b.abs() < 2.0), "{picture}");
     }
 }

@@ -6,7 +6,7 @@ use tectum_optics::{RgbCurves, Rig};
 use super::curve::{Smooth, curves, rounded};
 use super::error::ColourError;
 use super::pairs::{Pair, pairs};
-use super::ratio::Ratio;
+use super::ratio::{Ratio, weighted_median};
 use super::tone::at;
 use crate::{Eyes, Views};
 
@@ -18,9 +18,8 @@ const LEAST_CELLS: usize = 40;
 const MOST_RATIO: f64 = 2.5;
 /// Parts of the correction that the left eye may take, nearest to half first.
 const SHARES: [f64; 11] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9, 0.0, 1.0];
-/// What an uneven share must gain to be taken, relative to the mean level: brighter pictures differ
-/// by more levels.
-const WORTH: f64 = 0.003;
+/// What an uneven share must gain to be taken, levels.
+const WORTH_LEVELS: f64 = 0.15;
 /// Half the width about the overlap's middle in which the falloff is reported: this far off, one
 /// eye is 10 degrees farther from its axis and the other nearer.
 const REPORTED_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
@@ -28,7 +27,7 @@ const REPORTED_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Curves that bring both eyes' colours together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourMatch {
-    /// For the rig's tone.
+    /// For the rig's tone; straight where no curve would bring the eyes closer.
     pub curves: Eyes<RgbCurves>,
     /// What they do.
     pub summary: ColourSummary,
@@ -59,7 +58,7 @@ pub struct ColourSummary {
 pub struct Difference {
     /// Mean of the absolute differences of the channels: what a seam shows, parallax included.
     pub mean_abs: f64,
-    /// Mean of left minus right by channel: the cast alone.
+    /// Median of left minus right by channel, where nothing is clipped: the cast alone.
     pub bias: [f64; 3],
 }
 
@@ -99,23 +98,33 @@ pub fn match_eyes(rig: &Rig, shots: &[Views]) -> Result<ColourMatch, ColourError
     }
     let tried = SHARES.iter().filter_map(|share| {
         let curves = curves_of(&ratios, *share)?;
-        let (after, level) = difference(&pairs, &curves);
-        Some((*share, curves, after, after.mean_abs / level))
+        let apart = apart(&pairs, &ratios, &curves);
+        Some((*share, curves, apart))
     });
     let tried: Vec<_> = tried.collect();
-    let least = tried.iter().map(|t| t.3).fold(f64::MAX, f64::min);
-    let chosen = tried.into_iter().find(|t| t.3 <= least + WORTH);
-    let (left_share, curves, after, _) = chosen.ok_or_else(|| {
+    let least = tried.iter().map(|t| t.2).fold(f64::MAX, f64::min);
+    let chosen = tried.into_iter().find(|t| t.2 <= least + WORTH_LEVELS);
+    let (left_share, curves, _) = chosen.ok_or_else(|| {
         let size = |c: &usize| libm::log(right_over_left[*c]).abs();
         let most = (0..3).max_by(|a, b| size(a).total_cmp(&size(b)));
         too_different(most.unwrap_or(0))
     })?;
     let identity: RgbCurves = [std::array::from_fn(|v| v as u8); 3];
+    let before = difference(&pairs, &[identity, identity]);
+    let after = difference(&pairs, &curves);
+    // Where near things leave little to compare, eyes that agree are not brought apart.
+    let cast = |d: &Difference| d.bias.iter().map(|b| b.abs()).sum::<f64>();
+    let better = after.mean_abs <= before.mean_abs && cast(&after) <= cast(&before);
+    let (curves, after) = if better {
+        (curves, after)
+    } else {
+        ([identity, identity], before)
+    };
     let summary = ColourSummary {
         cells,
         right_over_left,
         left_share,
-        before: difference(&pairs, &[identity, identity]).0,
+        before,
         after,
         falloff: [0, 1, 2].map(|channel: usize| reported(ratios[channel].falloff)),
     };
@@ -136,23 +145,46 @@ fn reported(falloff: f64) -> f64 {
     libm::expm1(falloff * (farther * farther - 1.0))
 }
 
-/// The difference that curves leave, over all cells, clipped ones too, and the mean level.
-fn difference(pairs: &[Pair], curves: &Eyes<RgbCurves>) -> (Difference, f64) {
-    let (mut mean_abs, mut bias, mut level, mut total) = (0.0, [0.0; 3], 0.0, 0.0);
+/// How far curves bring values apart that the ratios say are the same light, levels, mean over the
+/// cells: what bending them to white costs. Neither parallax nor falloff counts here.
+fn apart(pairs: &[Pair], ratios: &[Ratio; 3], curves: &Eyes<RgbCurves>) -> f64 {
+    let (mut sum, mut total) = (0.0, 0.0);
     for pair in pairs {
-        total += pair.seam_weight;
-        for (channel, bias) in bias.iter_mut().enumerate() {
-            let value = |eye: usize| at(&curves[eye][channel], pair.means[eye][channel]);
-            let [left, right] = [value(0), value(1)];
-            let apart = pair.seam_weight * (left - right);
-            level += pair.seam_weight * (left + right) / 6.0;
-            mean_abs += apart.abs() / 3.0;
-            *bias += apart;
+        for (channel, ratio) in ratios.iter().enumerate() {
+            let [left, right] = pair.means.map(|mean| libm::log(mean[channel] + 1.0));
+            // The darker eye's value tells the light where the brighter one's may be clipped.
+            let half = ratio.at((left + right) / 2.0) / 2.0;
+            let level = (left - half).min(right + half);
+            let value =
+                |eye: usize, by: f64| at(&curves[eye][channel], libm::exp(level + by) - 1.0);
+            sum += pair.weight * (value(0, half) - value(1, -half)).abs() / 3.0;
         }
+        total += pair.weight;
     }
-    let difference = Difference {
-        mean_abs: mean_abs / total,
-        bias: bias.map(|sum| sum / total),
+    sum / total
+}
+
+/// The difference that curves leave, over all cells, clipped ones too.
+fn difference(pairs: &[Pair], curves: &Eyes<RgbCurves>) -> Difference {
+    let apart = |pair: &Pair, channel: usize| {
+        let value = |eye: usize| at(&curves[eye][channel], pair.means[eye][channel]);
+        value(0) - value(1)
     };
-    (difference, level / total)
+    let total: f64 = pairs.iter().map(|pair| pair.seam_weight).sum();
+    let mean_abs = |channel: usize| {
+        let parts = pairs
+            .iter()
+            .map(|pair| pair.seam_weight * apart(pair, channel).abs());
+        parts.sum::<f64>() / total
+    };
+    let bias = |channel: usize| {
+        let parts = pairs
+            .iter()
+            .map(|pair| (apart(pair, channel), pair.seam_weight));
+        weighted_median(parts)
+    };
+    Difference {
+        mean_abs: [0, 1, 2].map(mean_abs).iter().sum::<f64>() / 3.0,
+        bias: [0, 1, 2].map(bias),
+    }
 }

@@ -13,11 +13,18 @@ const DARK: f64 = 1.0;
 const SOFT: f64 = 8.0;
 /// Rounds of reweighting.
 const ROUNDS: usize = 15;
-/// Penalty on the spline's second and first differences, relative to all weights: the first keeps
-/// it smooth, the second lets it run out to a constant where no value was seen.
-const PENALTIES: [f64; 2] = [1e-3, 1e-5];
-/// Penalty on the falloff, relative to all weights: scenes without a range of angles say nothing.
-const FALLOFF_PENALTY: f64 = 1e-6;
+/// Expected sizes (standard deviations of a Gaussian prior) of the spline's second and first
+/// differences: it bends and leans only as far as the cells prove, and runs out to a constant where
+/// no value was seen.
+const EXPECTED: [f64; 2] = [0.02, 0.06];
+/// The same of the falloff: 0.25 of the light lost at 105 degrees is 0.22.
+const EXPECTED_FALLOFF: f64 = 0.3;
+/// The scale is told from the better quarter of the cells, as near things make more than half of them
+/// show different places; of a Gaussian's absolute values a quarter lies below 0.3186 sigma.
+const QUARTER: f64 = 0.25;
+const GAUSSIAN_QUARTER: f64 = 0.3186;
+/// Neighbouring cells show the same things: what a cell counts as an independent measurement.
+const INDEPENDENT: f64 = 1.0 / 30.0;
 /// Biweight's cut in standard deviations (95 % efficient on Gaussian errors; Huber 1981).
 const CUT: f64 = 4.685;
 
@@ -30,27 +37,28 @@ pub(super) struct Ratio {
 }
 
 impl Ratio {
-    /// Robust fit to the pairs of a channel: M-estimate with Tukey's biweight, scale by the median
-    /// absolute deviation, from the weighted median on.
+    /// Robust fit to the pairs of a channel: M-estimate with Tukey's biweight from the weighted
+    /// median on, scale by the lower quartile of the absolute errors.
     pub fn fit(pairs: &[Pair], channel: usize) -> Self {
         let sound = pairs.iter().filter(|pair| pair.sound[channel]);
         let data: Vec<Datum> = sound.map(|pair| Datum::new(pair, channel)).collect();
-        let median = weighted_median(data.iter().map(|d| (d.log_ratio, d.weight)));
+        let certain = |d: &Datum| d.weight / d.deviation.powi(2);
+        let median = weighted_median(data.iter().map(|d| (d.log_ratio, certain(d))));
         let mut fit = Self {
             spline: [median; KNOTS],
             falloff: 0.0,
         };
         for _ in 0..ROUNDS {
             let errors: Vec<f64> = data.iter().map(|d| fit.error(d) / d.deviation).collect();
-            let sizes = errors.iter().zip(&data).map(|(e, d)| (e.abs(), d.weight));
-            // 1.4826 makes the median absolute deviation a Gaussian's standard deviation.
-            let cut = CUT * (1.4826 * weighted_median(sizes)).max(0.1);
+            let sizes = errors.iter().zip(&data).map(|(e, d)| (e.abs(), certain(d)));
+            let scale = (weighted_quantile(sizes, QUARTER) / GAUSSIAN_QUARTER).max(0.1);
+            let cut = CUT * scale;
             let weights = errors.iter().zip(&data).map(|(error, datum)| {
                 let rest = 1.0 - (error / cut).powi(2);
-                datum.weight * rest.max(0.0).powi(2)
+                certain(datum) * rest.max(0.0).powi(2)
             });
             let weights: Vec<f64> = weights.collect();
-            let Some(next) = solve(&data, &weights) else {
+            let Some(next) = solve(&data, &weights, scale) else {
                 break;
             };
             fit = next;
@@ -86,7 +94,7 @@ impl Datum {
             log_ratio: left - right,
             falloff: pair.falloff,
             deviation: pair.variance[channel].sqrt(),
-            weight: pair.weight / pair.variance[channel],
+            weight: pair.weight,
         }
     }
 }
@@ -102,8 +110,9 @@ fn basis(ln_level: f64) -> (usize, [f64; 4]) {
     (first, weights(x - first as f64))
 }
 
-/// Penalised weighted least squares; `None` where no weight is left.
-fn solve(data: &[Datum], weights: &[f64]) -> Option<Ratio> {
+/// Penalised weighted least squares, errors being `scale` times as large as said; `None` where no
+/// weight is left.
+fn solve(data: &[Datum], weights: &[f64], scale: f64) -> Option<Ratio> {
     let mut normal = DMatrix::<f64>::zeros(KNOTS + 1, KNOTS + 1);
     let mut right = DVector::<f64>::zeros(KNOTS + 1);
     for (datum, weight) in data.iter().zip(weights) {
@@ -117,17 +126,21 @@ fn solve(data: &[Datum], weights: &[f64]) -> Option<Ratio> {
             }
         }
     }
-    let total: f64 = weights.iter().sum();
-    for (penalty, stencil) in PENALTIES.iter().zip([&[1.0, -2.0, 1.0][..], &[-1.0, 1.0]]) {
+    let cells = data.len() as f64 * INDEPENDENT;
+    let total: f64 = data.iter().map(|d| d.weight).sum();
+    let certainty = cells / (total * scale * scale);
+    normal *= certainty;
+    right *= certainty;
+    for (expected, stencil) in EXPECTED.iter().zip([&[1.0, -2.0, 1.0][..], &[-1.0, 1.0]]) {
         for first in 0..=KNOTS - stencil.len() {
             for (i, a) in stencil.iter().enumerate() {
                 for (j, b) in stencil.iter().enumerate() {
-                    normal[(first + i, first + j)] += penalty * total * a * b;
+                    normal[(first + i, first + j)] += a * b / (expected * expected);
                 }
             }
         }
     }
-    normal[(KNOTS, KNOTS)] += FALLOFF_PENALTY * total;
+    normal[(KNOTS, KNOTS)] += 1.0 / (EXPECTED_FALLOFF * EXPECTED_FALLOFF);
     let solution = normal.cholesky()?.solve(&right);
     Some(Ratio {
         spline: std::array::from_fn(|i| solution[i]),
@@ -136,14 +149,19 @@ fn solve(data: &[Datum], weights: &[f64]) -> Option<Ratio> {
 }
 
 /// The value with half of the weight below it; 0 of nothing.
-fn weighted_median(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+pub(super) fn weighted_median(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    weighted_quantile(values, 0.5)
+}
+
+/// The value with this share of the weight below it; 0 of nothing.
+fn weighted_quantile(values: impl Iterator<Item = (f64, f64)>, share: f64) -> f64 {
     let mut values: Vec<(f64, f64)> = values.collect();
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = values.iter().map(|v| v.1).sum::<f64>() / 2.0;
+    let wanted = values.iter().map(|v| v.1).sum::<f64>() * share;
     let mut below = 0.0;
-    let middle = values.iter().find(|v| {
+    let found = values.iter().find(|v| {
         below += v.1;
-        below >= half
+        below >= wanted
     });
-    middle.map_or(0.0, |v| v.0)
+    found.map_or(0.0, |v| v.0)
 }

@@ -226,9 +226,11 @@ fn what_only_one_eye_sees_does_not_count() {
         ratios.iter().all(|r| (r / 1.3 - 1.0).abs() < 0.01),
         "{ratios:?}"
     );
-    // Twice the same shot says the same.
+    // Twice the same shot says the same, with more certainty.
     let twice = match_eyes(&rig(), &[views.clone(), views]).unwrap();
-    assert_eq!(twice.curves, found.curves);
+    let entries = |found: &ColourMatch| found.curves.as_flattened().as_flattened().to_vec();
+    let both = entries(&found).into_iter().zip(entries(&twice));
+    assert!(both.map(|(a, b)| a.abs_diff(b)).max() <= Some(1));
 }
 
 #[test]
