@@ -126,6 +126,11 @@ fn mark(sheet: &mut Sheet, map: &OutputMap, eye: &EyeView, name: &str) {
     let [left, top] = AT.map(f64::from);
     if let Some([x, y]) = map.pixel(&eye.axis()) {
         sheet.dot([left + x, top + y], 4.0, WHITE);
-        sheet.text([left + x, top + y - 16.0], Anchor::Middle, WHITE, name);
+        // On the side towards the middle, below: away from the design plane's curve.
+        let (side, anchor) = match x < f64::from(SIZE[0]) / 2.0 {
+            true => (12.0, Anchor::Start),
+            false => (-12.0, Anchor::End),
+        };
+        sheet.text([left + x + side, top + y + 12.0], anchor, WHITE, name);
     }
 }

@@ -37,9 +37,11 @@ pub fn draw(name: &str, plane: &Circle, section: &Section) -> Sheet {
     let deg = f64::to_degrees;
     sheet.text([MIDDLE[0], 20.0], Anchor::Middle, WHITE, name);
     let (_, pitch) = yaw_pitch(&plane.direction(0.0));
+    // Rounded, and without a sign of nothing.
+    let pitch = (10.0 * deg(pitch)).round() / 10.0 + 0.0;
     let ahead = match plane.direction(0.0).x > 1e-9 {
-        true => format!("ahead, pitch {:.1}", deg(pitch)),
-        false => format!("pitch {:.1}", deg(pitch)),
+        true => format!("on top: ahead at pitch {pitch:.1}"),
+        false => format!("on top: pitch {pitch:.1}"),
     };
     sheet.text([MIDDLE[0], 42.0], Anchor::Middle, DIM, &ahead);
     let overlap = |rad: f64| match rad < 0.0 {
@@ -81,8 +83,8 @@ fn edges(sheet: &mut Sheet, section: &Section) {
         let wrapped = (angle + PI).rem_euclid(TAU) - PI;
         let place = at(angle, ARCS[1] + 22.0);
         let anchor = match place[0] - MIDDLE[0] {
-            dx if dx > 30.0 => Anchor::Start,
-            dx if dx < -30.0 => Anchor::End,
+            dx if dx > 3.0 => Anchor::Start,
+            dx if dx < -3.0 => Anchor::End,
             _ => Anchor::Middle,
         };
         sheet.text(

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use embedded_graphics::mono_font::MonoFont;
-use embedded_graphics::mono_font::iso_8859_1::FONT_9X15;
+use embedded_graphics::mono_font::iso_8859_1::FONT_9X15_BOLD;
 use image::{RgbImage, RgbaImage};
 use tectum_page::picture::png_uri;
 use tectum_page::svg::escape;
@@ -18,7 +18,7 @@ pub const DIM: Colour = [154, 164, 173];
 
 /// Length of a dash and of the gap after it, px.
 const DASH: [f64; 2] = [7.0, 6.0];
-const FONT: MonoFont<'_> = FONT_9X15;
+const FONT: MonoFont<'_> = FONT_9X15_BOLD;
 
 /// Which point of a text is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,8 +127,7 @@ impl Sheet {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
              width=\"{width}\" height=\"{height}\" role=\"img\" aria-label=\"{}\">\n\
              <style>text{{font:15px ui-monospace,Menlo,Consolas,\"DejaVu Sans Mono\",monospace;\
-             paint-order:stroke;stroke:{};stroke-width:3px;stroke-linejoin:round;\
-             dominant-baseline:central}}</style>\n\
+             paint-order:stroke;stroke:{};stroke-width:3px;stroke-linejoin:round}}</style>\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
             escape(label),
             hex(PAPER),
@@ -146,7 +145,7 @@ impl Sheet {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 svg,
-                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" fill=\"{}\">{}</text>",
+                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" dy=\"0.35em\" fill=\"{}\">{}</text>",
                 words.at[0],
                 words.at[1],
                 hex(words.colour),
@@ -249,4 +248,43 @@ fn data(points: &[[f64; 2]]) -> String {
 
 fn hex([r, g, b]: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_formats_show_the_same() {
+        let mut sheet = Sheet::new(60, 40);
+        sheet.fill(
+            [[5.0, 5.0], [25.0, 5.0], [25.0, 25.0], [5.0, 25.0]],
+            [200, 0, 0],
+            1.0,
+        );
+        sheet.dashes([[30.0, 30.5], [60.0, 30.5]], [0, 200, 0]);
+        sheet.picture(
+            [40, 5],
+            RgbaImage::from_pixel(4, 4, image::Rgba([0, 0, 200, 255])),
+        );
+        sheet.text([30.0, 20.0], Anchor::End, DIM, "a < b");
+        let svg = sheet.svg("\"quoted\"");
+        for part in [
+            "aria-label=\"&quot;quoted&quot;\"",
+            "<path d=\"M5.0 5.0L25.0 5.0L25.0 25.0L5.0 25.0Z\" fill=\"#c80000\"",
+            "d=\"M30.0 30.5L60.0 30.5\" fill=\"none\" stroke=\"#00c800\"",
+            "stroke-dasharray=\"7 6\"",
+            "<image x=\"40\" y=\"5\" width=\"4\" height=\"4\" href=\"data:image/png;base64,",
+            "text-anchor=\"end\" dy=\"0.35em\" fill=\"#9aa4ad\">a &lt; b</text>",
+        ] {
+            assert!(svg.contains(part), "no {part} in {svg}");
+        }
+        let png = sheet.png();
+        let at = |x, y| png.get_pixel(x, y).0;
+        assert_eq!((at(10, 22), at(2, 2)), ([200, 0, 0], PAPER));
+        assert_eq!(
+            (at(33, 30)[1], at(40, 30), at(41, 6)),
+            (200, PAPER, [0, 0, 200])
+        );
+    }
 }

@@ -100,7 +100,12 @@ impl View {
         for (direction, name) in marks {
             if let Some(place) = self.place(&direction) {
                 sheet.dot(place, 4.0, WHITE);
-                sheet.text([place[0], place[1] - 14.0], Anchor::Middle, WHITE, name);
+                // Towards the middle, so that it stays over the sphere.
+                let (side, anchor) = match place[0] > self.middle[0] + 1.0 {
+                    true => (-12.0, Anchor::End),
+                    false => (12.0, Anchor::Start),
+                };
+                sheet.text([place[0] + side, place[1] + 14.0], anchor, WHITE, name);
             }
         }
     }
