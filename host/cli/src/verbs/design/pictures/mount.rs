@@ -9,7 +9,7 @@ use super::sheet::{Anchor, DIM, Sheet};
 use crate::areas::colour;
 use crate::draw::{LEFT, RIGHT, WHITE};
 
-const PANEL: [f64; 2] = [440.0, 470.0];
+const PANEL: [f64; 2] = [440.0, 500.0];
 /// Length of an axis, and of half a fish, px.
 const REACH: f64 = 150.0;
 
@@ -82,6 +82,9 @@ pub fn draw(eyes: &BothEyes, forward: &Forward) -> Sheet {
         "from ahead",
         "the axes rise by tau; disc: the transverse plane",
     );
+    let middle = [1.5 * PANEL[0], PANEL[1] - 18.0];
+    let words = "blue: left eye, orange: right eye, green: both, dark: blind";
+    sheet.text(middle, Anchor::Middle, DIM, words);
     sheet
 }
 
