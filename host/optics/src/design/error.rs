@@ -38,8 +38,8 @@ pub enum DesignError {
     /// Points on the wall that are no distance apart.
     #[error("{0} between the points on the wall is not allowed: needed is 0 or more")]
     WallWidth(f64),
-    /// A field that no lens gives.
-    #[error("{measured_deg:.2} degrees on this plane: no lens on this mount gives that")]
+    /// A field on a plane that nothing gives.
+    #[error("{measured_deg:.2} degrees on this plane: no field of these eyes gives that")]
     Unreachable {
         /// Field on the plane, degrees.
         measured_deg: f64,

@@ -29,14 +29,17 @@ impl EyeView {
 
     /// Whether a body-frame direction of any length is in the field.
     pub fn sees(&self, direction: &Vector3<f64>) -> bool {
-        let off_axis = angle_between(&self.axis(), direction);
-        match self.field.circle_rad() {
-            Some(half) => off_axis <= half,
-            None => {
-                let ray = self.rotation.inverse() * direction;
-                off_axis <= self.field.half_angle_rad(libm::atan2(ray.y, ray.x))
-            }
-        }
+        self.room_rad(direction) >= 0.0
+    }
+
+    /// Angle between a body-frame direction of any length and the edge of the field beyond it, rad;
+    /// negative outside.
+    pub fn room_rad(&self, direction: &Vector3<f64>) -> f64 {
+        let half = self.field.circle_rad().unwrap_or_else(|| {
+            let ray = self.rotation.inverse() * direction;
+            self.field.half_angle_rad(libm::atan2(ray.y, ray.x))
+        });
+        half - angle_between(&self.axis(), direction)
     }
 
     /// Unit direction on the edge of the field, in the body frame, in the image direction of

@@ -1,6 +1,6 @@
 //! From a mount and its lenses to everything that can be said about what they see.
 
-use std::f64::consts::TAU;
+use nalgebra::Vector3;
 
 use super::{BlindZone, BothEyes, Circle, DesignError, Mount, PaperForm, Section, Shares};
 use crate::convention::angle_between;
@@ -24,6 +24,10 @@ pub struct Forward {
     pub shares: Shares,
     /// What neither eye sees, the largest first.
     pub blind_zones: Vec<BlindZone>,
+    /// What a lens may lose of its whole field, by refraction or a hull that hides its rim, before
+    /// there is a gap straight ahead, and in the middle of the design plane, rad; negative where
+    /// there is one.
+    pub margins_rad: [f64; 2],
 }
 
 impl Forward {
@@ -35,15 +39,20 @@ impl Forward {
         let axes = (eyes.left.axis(), eyes.right.axis());
         let mount = Mount::from_axes(&axes.0, &axes.1)?;
         let theta_rad = eyes.theta_rad();
+        let design = Circle::through(&axes.0, &axes.1)?;
         Ok(Self {
             mount,
             theta_rad,
             paper: mount.paper_form(theta_rad),
             between_axes_rad: angle_between(&axes.0, &axes.1),
-            design: Section::of(eyes, &Circle::through(&axes.0, &axes.1)?),
+            design: Section::of(eyes, &design),
             horizontal: Section::of(eyes, &Circle::horizontal()),
             shares: eyes.shares(),
             blind_zones: eyes.blind_zones(),
+            margins_rad: [Vector3::x(), design.direction(0.0)].map(|ahead| {
+                let rooms = [&eyes.left, &eyes.right].map(|eye| eye.room_rad(&ahead));
+                2.0 * rooms[0].min(rooms[1])
+            }),
         })
     }
 
@@ -55,17 +64,5 @@ impl Forward {
     /// Whole field on the design plane, rad: 2 theta less the overlap, at most a turn.
     pub fn theta_total_rad(&self) -> f64 {
         self.design.seen_rad()
-    }
-
-    /// What a lens may lose of its whole field, by refraction or a hull that hides its rim, before
-    /// the horizontal view ahead and the design plane have a gap, rad; negative where they have.
-    pub fn margins_rad(&self) -> [f64; 2] {
-        [self.mount.horizontal_split_rad(), self.between_axes_rad]
-            .map(|split| self.theta_rad - split)
-    }
-
-    /// Share of the horizon that is seen, 0 to 1.
-    pub fn horizon_share(&self) -> f64 {
-        self.horizontal.seen_rad() / TAU
     }
 }

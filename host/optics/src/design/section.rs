@@ -1,6 +1,6 @@
 //! What both eyes see on one plane.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{Area, BothEyes, Circle, EyeView, Mount};
 
@@ -85,21 +85,21 @@ impl Section {
         self.total(|area| area == Area::Both)
     }
 
-    /// Overlap that holds angle 0, rad; negative where neither eye sees ahead: the gap's width.
+    /// Overlap ahead, rad; negative where neither eye sees there: the gap's width. Where one eye
+    /// alone sees straight ahead, the nearest overlap or gap within a quarter turn counts.
     pub fn front_overlap_rad(&self) -> f64 {
-        self.overlap_at(0.0)
+        self.junction_rad(0.0)
     }
 
-    /// Overlap around straight behind, rad; negative where neither eye sees behind: the gap's
-    /// width.
+    /// Overlap behind, rad, or less the gap, as [`front_overlap_rad`](Self::front_overlap_rad).
     pub fn back_overlap_rad(&self) -> f64 {
-        self.overlap_at(PI)
+        self.junction_rad(PI)
     }
 
     /// A turn less the gap behind: how far the field reaches around, whether or not there is a gap
     /// ahead, rad. This is what a wall behind the fish measures (Eq. 8).
     pub fn outer_rad(&self) -> f64 {
-        TAU - self.around(PI, |area| area == Area::None)
+        TAU + self.back_overlap_rad().min(0.0)
     }
 
     /// The segments that neither eye sees.
@@ -112,28 +112,30 @@ impl Section {
         })
     }
 
-    fn overlap_at(&self, angle_rad: f64) -> f64 {
-        let gap = self.around(angle_rad, |area| area == Area::None);
-        match gap > 0.0 {
-            true => -gap,
-            false => self.around(angle_rad, |area| area == Area::Both),
-        }
-    }
-
     fn total(&self, holds: impl Fn(Area) -> bool) -> f64 {
         let kept = self.segments.iter().filter(|segment| holds(segment.area));
         kept.map(|segment| segment.end_rad - segment.start_rad)
             .sum()
     }
 
-    /// Length of the piece that holds an angle and on which `holds` is true.
-    fn around(&self, angle_rad: f64, holds: impl Fn(Area) -> bool) -> f64 {
-        let holds_angle = |(start, end): &(f64, f64)| {
-            let ahead = (angle_rad - start).rem_euclid(TAU);
-            ahead <= end - start
+    /// Where both eyes' fields meet near an angle: the overlap, or less the gap.
+    fn junction_rad(&self, angle_rad: f64) -> f64 {
+        let away = |(start, end): (f64, f64)| {
+            let (ahead, width) = ((angle_rad - start).rem_euclid(TAU), end - start);
+            match ahead <= width {
+                true => 0.0,
+                false => (ahead - width).min(TAU - ahead),
+            }
         };
-        let piece = self.joined(holds).into_iter().find(holds_angle);
-        piece.map_or(0.0, |(start, end)| end - start)
+        let pieces = |area: Area, sign: f64| {
+            let pieces = self.joined(move |other| other == area).into_iter();
+            pieces.map(move |piece| (away(piece), sign * (piece.1 - piece.0)))
+        };
+        pieces(Area::None, -1.0)
+            .chain(pieces(Area::Both, 1.0))
+            .filter(|(away, _)| *away <= FRAC_PI_2)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(0.0, |(_, signed)| signed)
     }
 
     /// Pieces on which `holds` is true, neighbours joined, also across the first segment's start.

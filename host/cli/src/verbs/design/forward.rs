@@ -144,7 +144,7 @@ fn planes(args: &Args) -> anyhow::Result<Vec<Plane>> {
 pub fn figures(forward: &Forward) -> Value {
     let deg = f64::to_degrees;
     let paper = &forward.paper;
-    let [horizontal_margin, design_margin] = forward.margins_rad().map(deg);
+    let [horizontal_margin, design_margin] = forward.margins_rad.map(deg);
     let shares = &forward.shares;
     json!({
         "psi_deg": deg(forward.mount.psi_rad()),
@@ -292,9 +292,9 @@ fn table(
         ("  by both, %", |f| 100.0 * f.shares.both),
         ("  blind, %", |f| 100.0 * f.shares.blind()),
         ("lens may lose: horizontal", |f| {
-            f.margins_rad()[0].to_degrees()
+            f.margins_rad[0].to_degrees()
         }),
-        ("  design plane", |f| f.margins_rad()[1].to_degrees()),
+        ("  design plane", |f| f.margins_rad[1].to_degrees()),
     ];
     let mut text = format!("\n{:<30}", "degrees");
     for (title, _) in &columns {

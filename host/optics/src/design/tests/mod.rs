@@ -140,6 +140,25 @@ fn eyes_of_a_rig_are_those_of_its_mount() {
     ));
 }
 
+/// Two lenses back to back, turned away from the body's axes: fields meet 20 degrees off.
+#[test]
+fn where_fields_meet_need_not_be_straight_ahead() {
+    let turned = |yaw_deg: f64, theta_deg| EyeView {
+        rotation: crate::Pose::axis_rotation(yaw_deg.to_radians(), 0.0, 0.0),
+        field: cone(theta_deg),
+    };
+    for (theta, overlap, outer) in [(200.0, 20.0, 360.0), (170.0, -10.0, 350.0)] {
+        let eyes = BothEyes {
+            left: turned(70.0, theta),
+            right: turned(-110.0, theta),
+        };
+        let section = Section::of(&eyes, &Circle::horizontal());
+        near(section.front_overlap_rad(), overlap, 1e-9);
+        near(section.back_overlap_rad(), overlap, 1e-9);
+        near(section.outer_rad(), outer, 1e-9);
+    }
+}
+
 #[test]
 fn the_map_reads_as_text() {
     let eyes = BothEyes::of_mount(&paper_mount(), &cone(210.0));

@@ -150,6 +150,9 @@ fn fields_in_air_and_water() {
     }
     near(forward(210.0).horizontal.back_overlap_rad(), 8.8, 0.05);
     near(forward(210.0).mount.horizontal_split_rad(), 157.6, 0.05);
+    near(forward(210.0).margins_rad[0], 210.0 - 157.6, 0.05);
+    near(forward(210.0).margins_rad[1], 93.26, PRINTED);
+    near(forward(140.20).margins_rad[0], 140.2 - 157.6, 0.05);
 }
 
 #[test]

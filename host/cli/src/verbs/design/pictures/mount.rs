@@ -9,7 +9,7 @@ use super::sheet::{Anchor, DIM, Sheet};
 use crate::areas::colour;
 use crate::draw::{LEFT, RIGHT, WHITE};
 
-const PANEL: [f64; 2] = [440.0, 470.0];
+const PANEL: [f64; 2] = [440.0, 500.0];
 /// Length of an axis, and of half a fish, px.
 const REACH: f64 = 150.0;
 
@@ -75,9 +75,16 @@ pub fn draw(eyes: &BothEyes, forward: &Forward) -> Sheet {
     ahead.body(&mut sheet);
     ahead.axes(&mut sheet, &axes);
     ahead.guide(&mut sheet, y);
-    let name = format!("tau {:.2}, true", deg(mount.tau_rad()));
+    let name = format!("tau {:.2}", deg(mount.tau_rad()));
     ahead.angle(&mut sheet, &y, &axes[0].0, &name);
-    ahead.title(&mut sheet, "from ahead", "disc: the transverse plane");
+    ahead.title(
+        &mut sheet,
+        "from ahead",
+        "the axes rise by tau; disc: the transverse plane",
+    );
+    let middle = [1.5 * PANEL[0], PANEL[1] - 18.0];
+    let words = "blue: left eye, orange: right eye, green: both, dark: blind";
+    sheet.text(middle, Anchor::Middle, DIM, words);
     sheet
 }
 
@@ -120,8 +127,8 @@ impl Panel {
 
     /// A fish's outline along `x`; its eyes are at the origin of the drawing.
     fn fish(&self, sheet: &mut Sheet, x: Vector3<f64>, across: Vector3<f64>, width: f64) {
-        let half = |t: f64| width * 0.19 * libm::pow(libm::sin(PI * t), 0.7) * (1.15 - 0.5 * t);
-        let point = |t: f64, s: f64| self.at(&(x * (0.24 - 1.15 * t) + across * (s * half(t))));
+        let half = |t: f64| width * 0.14 * libm::pow(libm::sin(PI * t), 0.7) * (1.15 - 0.5 * t);
+        let point = |t: f64, s: f64| self.at(&(x * (0.17 - 0.82 * t) + across * (s * half(t))));
         let steps = 40;
         let t = |i: i32| f64::from(i) / f64::from(steps);
         let there = (0..=steps).map(|i| point(t(i), 1.0));
@@ -130,11 +137,11 @@ impl Panel {
         sheet.fill(outline.clone(), [58, 66, 74], 1.0);
         sheet.line(outline, DIM, 1.2);
         let tail = [
-            (-0.86, 0.0),
-            (-1.05, 0.2),
-            (-1.0, 0.0),
-            (-1.05, -0.2),
-            (-0.86, 0.0),
+            (-0.61, 0.0),
+            (-0.75, 0.14),
+            (-0.71, 0.0),
+            (-0.75, -0.14),
+            (-0.61, 0.0),
         ];
         let tail = tail.map(|(along, s)| self.at(&(x * along + across * (s * width))));
         sheet.fill(tail, [58, 66, 74], 1.0);
@@ -145,7 +152,7 @@ impl Panel {
     fn body(&self, sheet: &mut Sheet) {
         let point = |i: i32| {
             let a = 2.0 * PI * f64::from(i) / 60.0;
-            let (y, z) = (0.21 * libm::cos(a), 0.2 * libm::sin(a));
+            let (y, z) = (0.15 * libm::cos(a), 0.14 * libm::sin(a));
             self.at(&Vector3::new(0.0, y, z))
         };
         let outline: Vec<_> = (0..=60).map(point).collect();
@@ -183,12 +190,14 @@ impl Panel {
             WHITE,
             1.5,
         );
-        let [x, y] = place(0.5, 96.0);
+        // At the guide's end, on the other side of it.
+        let [x, y] = self.at(&(from * 1.1));
         let anchor = match x < self.origin[0] {
-            true => Anchor::End,
-            false => Anchor::Start,
+            true => Anchor::Start,
+            false => Anchor::End,
         };
-        sheet.text([x, y], anchor, WHITE, name);
+        let away = if self.at(to)[1] > y { -14.0 } else { 14.0 };
+        sheet.text([x, y + away], anchor, WHITE, name);
     }
 
     fn title(&self, sheet: &mut Sheet, name: &str, words: &str) {

@@ -249,3 +249,42 @@ fn data(points: &[[f64; 2]]) -> String {
 fn hex([r, g, b]: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_formats_show_the_same() {
+        let mut sheet = Sheet::new(60, 40);
+        sheet.fill(
+            [[5.0, 5.0], [25.0, 5.0], [25.0, 25.0], [5.0, 25.0]],
+            [200, 0, 0],
+            1.0,
+        );
+        sheet.dashes([[30.0, 30.5], [60.0, 30.5]], [0, 200, 0]);
+        sheet.picture(
+            [40, 5],
+            RgbaImage::from_pixel(4, 4, image::Rgba([0, 0, 200, 255])),
+        );
+        sheet.text([30.0, 20.0], Anchor::End, DIM, "a < b");
+        let svg = sheet.svg("\"quoted\"");
+        for part in [
+            "aria-label=\"&quot;quoted&quot;\"",
+            "<path d=\"M5.0 5.0L25.0 5.0L25.0 25.0L5.0 25.0Z\" fill=\"#c80000\"",
+            "d=\"M30.0 30.5L60.0 30.5\" fill=\"none\" stroke=\"#00c800\"",
+            "stroke-dasharray=\"7 6\"",
+            "<image x=\"40\" y=\"5\" width=\"4\" height=\"4\" href=\"data:image/png;base64,",
+            "text-anchor=\"end\" dy=\"0.35em\" fill=\"#9aa4ad\">a &lt; b</text>",
+        ] {
+            assert!(svg.contains(part), "no {part} in {svg}");
+        }
+        let png = sheet.png();
+        let at = |x, y| png.get_pixel(x, y).0;
+        assert_eq!((at(10, 22), at(2, 2)), ([200, 0, 0], PAPER));
+        assert_eq!(
+            (at(33, 30)[1], at(40, 30), at(41, 6)),
+            (200, PAPER, [0, 0, 200])
+        );
+    }
+}
