@@ -197,6 +197,10 @@ fn standard_errors_cover_the_truth() {
     assert!((0.7..1.4).contains(&mean), "{mean}");
     // Two components in each of 50 runs: 14 % of the ratio, three times.
     let ratio = angles.0 / angles.1;
+    println!(
+        "50 seeds: {inside} of {all} parameters within two standard errors, mean chi^2 {mean:.2}, \
+         squared angles over stated ones {ratio:.2}"
+    );
     assert!((0.58..1.42).contains(&ratio), "{ratio}");
 }
 

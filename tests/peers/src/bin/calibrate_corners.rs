@@ -1,6 +1,6 @@
 //! Calibrates from corners in a file, in the format of a bench of other programs.
 //!
-//! usage: `calibrate_corners FILE`
+//! usage: `calibrate_corners FILE [DEGREE]`
 //!
 //! FILE: `{"size": [w, h], "cols", "rows", "views": [[[x, y], ...], ...]}`, complete boards by rows
 //! (x right, y down, 0-based centres). Prints
