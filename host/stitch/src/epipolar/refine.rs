@@ -105,7 +105,8 @@ impl Normal {
             if miss >= cut_rad {
                 continue;
             }
-            let (residual, slope) = derivative(&b, &basis, &pair.left, &(pose.rotation * pair.right));
+            let (residual, slope) =
+                derivative(&b, &basis, &pair.left, &(pose.rotation * pair.right));
             let w = weight(residual, cut_rad);
             h += slope * slope.transpose() * w;
             g += slope * (w * residual);
@@ -139,7 +140,8 @@ fn derivative(
     let d = libm::sqrt(d2.max(1e-18));
     let normal = left.cross(right);
     let residual = b.dot(&normal) / d;
-    let by_rotation = (right.cross(&b.cross(left)) - b.cross(right) * (residual * along_right / d)) / d;
+    let by_rotation =
+        (right.cross(&b.cross(left)) - b.cross(right) * (residual * along_right / d)) / d;
     let by_b = (normal + (left * along_left + right * along_right) * (residual / d)) / d;
     let mut slope = Vector5::zeros();
     slope.fixed_rows_mut::<3>(0).copy_from(&by_rotation);
