@@ -142,10 +142,10 @@ fn sift_survives_turns_and_scales() {
                 found.matches,
                 found.right
             );
-            // Lowe 2004, Fig. 3-6: 80 to 90 % of the points are found again, nearly all of what
-            // passes the ratio test is right. Weak extrema near the contrast limit come and go.
-            assert!(found.repeated > 0.7, "{}", found.repeated);
-            assert!(found.right > 0.95 && found.matches > 60, "{}", found.right);
+            // Lowe 2004, Fig. 3-6: 80 to 90 % of the points are found again in noisy pictures, nearly
+            // all of what passes the ratio test is right. Here only 8-bit rounding and sampling differ.
+            assert!(found.repeated > 0.9, "{}", found.repeated);
+            assert!(found.right > 0.98 && found.matches > 40, "{}", found.right);
         }
     }
 }
