@@ -182,6 +182,21 @@ fn markerless_registration_finds_the_published_poses() {
 }
 
 #[test]
+#[ignore = "features of big pictures: half a minute"]
+fn swapped_eyes_are_refused() {
+    let Some(folder) = data("rig220-sweepnet") else {
+        return;
+    };
+    // Neighbours: what is forward of one is behind the other.
+    let [left, right] = shot(&folder, PAIRS[2], 2);
+    let rig = published(&folder, PAIRS[2]);
+    let refused = markerless(&rig, &[[right, left]], &MarkerlessOptions::default());
+    println!("{:?}", refused.as_ref().map(|found| found.turned_rad));
+    let error = refused.expect_err("left and right are swapped");
+    println!("{error}");
+}
+
+#[test]
 fn pictures_that_share_nothing_are_refused() {
     let Some(folder) = data("rig220-sweepnet") else {
         return;
