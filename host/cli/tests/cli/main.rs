@@ -8,5 +8,6 @@ mod common;
 mod demo;
 mod design;
 mod detect;
+mod matching;
 mod verbs;
 mod water;

@@ -1,6 +1,6 @@
 //! A relative pose refined over all correspondences, robustly, with standard errors.
 
-use nalgebra::{Matrix5, Rotation3, Vector2, Vector3, Vector5};
+use nalgebra::{DMatrix, Matrix5, Rotation3, SMatrix, Vector2, Vector3, Vector5};
 
 use super::pose::turned_by;
 use super::{Baseline, RayPair, RelativePose, rotation_only};
@@ -74,7 +74,7 @@ fn refine_epipolar(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Opt
         }
     }
     let Normal { h, scatter, .. } = Normal::new(pairs, &pose, cut_rad)?;
-    let inverse = h.try_inverse()?;
+    let inverse = inverse(&h)?;
     let covariance = inverse * scatter * inverse;
     let rotation = covariance.fixed_view::<3, 3>(0, 0).into_owned();
     let baseline = covariance.fixed_view::<2, 2>(3, 3).into_owned();
@@ -171,6 +171,14 @@ fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&[x, y, x.cross(&y)]))
 }
 
+/// Inverse of normal equations; `None` if a direction shows in the rays hardly more than rounding.
+fn inverse<const N: usize>(h: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
+    const LEAST_SHARE: f64 = 1e-9;
+    let curvatures = DMatrix::from_column_slice(N, N, h.as_slice()).symmetric_eigenvalues();
+    let (least, most) = (curvatures.min(), curvatures.max());
+    (least > LEAST_SHARE * most).then(|| h.try_inverse())?
+}
+
 fn refine_rotation(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Option<Refined> {
     let mut pose = *start;
     let mut best = total_loss(pairs, &pose, cut_rad);
@@ -195,7 +203,7 @@ fn refine_rotation(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Opt
         h += (nalgebra::Matrix3::identity() - right * right.transpose()) * w;
         scatter += gradient * gradient.transpose();
     }
-    let inverse = h.try_inverse()?;
+    let inverse = inverse(&h)?;
     let covariance = inverse * scatter * inverse;
     Some(Refined {
         pose,

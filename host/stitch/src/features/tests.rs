@@ -142,10 +142,10 @@ fn sift_survives_turns_and_scales() {
                 found.matches,
                 found.right
             );
-            // Lowe 2004, Fig. 3-6: 80 to 90 % of the points are found again, nearly all of what
-            // passes the ratio test is right. Weak extrema near the contrast limit come and go.
-            assert!(found.repeated > 0.7, "{}", found.repeated);
-            assert!(found.right > 0.95 && found.matches > 60, "{}", found.right);
+            // Lowe 2004, Fig. 3-6: 80 to 90 % of the points are found again, nearly all of what passes
+            // the ratio test is right. A smaller picture has lost the smallest spots.
+            assert!(found.repeated > 0.8, "{}", found.repeated);
+            assert!(found.right > 0.98 && found.matches > 40, "{}", found.right);
         }
     }
 }
