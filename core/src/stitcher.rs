@@ -90,7 +90,7 @@ const MAX_BYTES_PER_PIXEL: usize = 3;
 pub struct Stitcher<'t, F> {
     tables: &'t Tables<'t>,
     sampler: Sampler,
-    curves: [Curves<'t>; 2],
+    curves: [Option<Curves<'t>>; 2],
     format: PhantomData<F>,
 }
 
@@ -115,7 +115,7 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
     /// The same stitcher with the curves of `tone` in place of the table's.
     #[must_use]
     pub fn with_tone(self, tone: &'t Tone<F>) -> Self {
-        let curves = Eye::BOTH.map(|eye| tone.curves(eye));
+        let curves = Eye::BOTH.map(|eye| Some(tone.curves(eye)));
         Self { curves, ..self }
     }
 
@@ -251,7 +251,7 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
             Eye::Left => left,
             Eye::Right => right,
         };
-        if curves.iter().any(Option::is_some) {
+        if let Some(curves) = curves {
             F::tone(out, start, run.len as usize, curves);
         }
     }

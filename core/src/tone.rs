@@ -7,8 +7,20 @@ use tectum_tables::{Channel, Curve, Eye, Tables};
 use crate::exposure::Gains;
 use crate::format::PixelFormat;
 
-/// Curves of one eye for the channels of a format, in the order of [`PixelFormat::CHANNELS`].
-pub(crate) type Curves<'t> = [Option<&'t Curve>; MAX_CHANNELS];
+/// Curves of one eye for the channels of a format, in the order of [`PixelFormat::CHANNELS`]; the
+/// rest is not used. All are there, so that a loop has nothing to decide.
+pub(crate) type Curves<'t> = [&'t Curve; MAX_CHANNELS];
+
+/// For channels without a curve beside others that have one.
+static IDENTITY: Curve = {
+    let mut curve = [0; 256];
+    let mut value = 0;
+    while value < curve.len() {
+        curve[value] = value as u8;
+        value += 1;
+    }
+    curve
+};
 
 /// Channels of the richest format.
 const MAX_CHANNELS: usize = 3;
@@ -30,23 +42,12 @@ pub struct Tone<F> {
 impl<F: PixelFormat> Tone<F> {
     /// The curves of `tables` times `gains`.
     pub fn new(tables: &Tables<'_>, gains: Gains) -> Self {
-        let mut tone = Self::identity();
+        let mut tone = Self {
+            curves: [[[0; 256]; MAX_CHANNELS]; 2],
+            format: PhantomData,
+        };
         tone.set(tables, gains);
         tone
-    }
-
-    /// Curves that change nothing; to keep in a `static` and [`Tone::set`] later.
-    pub const fn identity() -> Self {
-        let mut curve = [0; 256];
-        let mut value = 0;
-        while value < curve.len() {
-            curve[value] = value as u8;
-            value += 1;
-        }
-        Self {
-            curves: [[curve; MAX_CHANNELS]; 2],
-            format: PhantomData,
-        }
     }
 
     /// Replaces all curves by those of `tables` times `gains`. Some 15 instructions for each of
@@ -71,17 +72,19 @@ impl<F: PixelFormat> Tone<F> {
             Eye::Right => right,
         }
         .each_ref()
-        .map(Some)
     }
 }
 
-/// The table's curves of an eye for the channels of a format.
-pub(crate) fn of_table<'t, F: PixelFormat>(tables: &Tables<'t>, eye: Eye) -> Curves<'t> {
-    let mut curves = [None; MAX_CHANNELS];
-    for (&channel, curve) in F::CHANNELS.iter().zip(&mut curves) {
-        *curve = tables.curve(eye, channel);
+/// The table's curves of an eye for the channels of a format; `None` if it has none of them.
+pub(crate) fn of_table<'t, F: PixelFormat>(tables: &Tables<'t>, eye: Eye) -> Option<Curves<'t>> {
+    let mut curves: Curves<'t> = [&IDENTITY; MAX_CHANNELS];
+    let mut any = false;
+    for (&channel, slot) in F::CHANNELS.iter().zip(&mut curves) {
+        if let Some(curve) = tables.curve(eye, channel) {
+            (*slot, any) = (curve, true);
+        }
     }
-    curves
+    any.then_some(curves)
 }
 
 /// What `value` becomes at a gain of 0.5 to 2: `FORMAT.md`, "Gain".

@@ -22,6 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed={}", file.display());
     let bytes = fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))?;
     fs::write(out.join("picture.tct"), &bytes)?;
+    let toned = tectum_fixture::toned(&bytes).map_err(|error| format!("toned: {error}"))?;
+    fs::write(out.join("toned.tct"), toned)?;
 
     let picture = Tables::parse(&bytes).map_err(|error| format!("{}: {error}", file.display()))?;
     for (name, bytes) in tables::one_kind(&picture)? {

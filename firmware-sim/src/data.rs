@@ -6,6 +6,8 @@ include!(concat!(env!("OUT_DIR"), "/sizes.rs"));
 
 /// The table of the real picture.
 pub static PICTURE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/picture.tct"));
+/// The same with tone curves and metering pairs.
+pub static TONED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/toned.tct"));
 /// All pixels from the left eye.
 pub static ONE_EYE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/one_eye.tct"));
 /// All pixels blended from both eyes.

@@ -133,8 +133,8 @@ pub struct ToneHeader {
 )]
 #[repr(C)]
 pub struct MeterPair {
-    pub(crate) left: [U16; 2],
-    pub(crate) right: [U16; 2],
+    left: [U16; 2],
+    right: [U16; 2],
 }
 
 impl MeterPair {

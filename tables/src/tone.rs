@@ -1,10 +1,10 @@
 //! What each eye's values become, and where both eyes look at the same thing.
 
 use zerocopy::FromBytes;
-use zerocopy::little_endian::U16;
 
 use crate::error::{TableError, Tag};
 use crate::layout::{Eye, MeterPair, ToneHeader};
+use crate::mesh::Mesh;
 
 /// What each 8-bit value of a channel becomes.
 pub type Curve = [u8; 256];
@@ -87,20 +87,22 @@ impl<'a> ToneCurves<'a> {
     }
 }
 
-/// The metering pairs of a table whose frames have these sizes, left and right.
-pub(crate) fn meter_pairs(
-    bytes: &[u8],
-    sizes_px: [Option<[u16; 2]>; 2],
-) -> Result<&[MeterPair], TableError> {
+/// The metering pairs of a table with these meshes, left and right.
+pub(crate) fn meter_pairs<'a>(
+    bytes: &'a [u8],
+    [left, right]: &[Option<Mesh<'_>>; 2],
+) -> Result<&'a [MeterPair], TableError> {
     let tag = Tag::METER_PAIRS;
     let pairs =
         <[MeterPair]>::ref_from_bytes(bytes).map_err(|_| TableError::SectionBounds { tag })?;
-    let inside = |at: [U16; 2], size: Option<[u16; 2]>| {
-        let [x, y] = at.map(U16::get);
-        size.is_some_and(|[width, height]| x < width && y < height)
+    let (Some(left), Some(right)) = (left, right) else {
+        return Err(TableError::Field { tag });
     };
-    let [left, right] = sizes_px;
-    let sound = |pair: &MeterPair| inside(pair.left, left) && inside(pair.right, right);
+    let inside = |mesh: &Mesh<'_>, eye: Eye, pair: &MeterPair| {
+        let ([x, y], [width, height]) = (pair.pixel(eye), mesh.source_size_px());
+        x < width && y < height
+    };
+    let sound = |pair| inside(left, Eye::Left, pair) && inside(right, Eye::Right, pair);
     if pairs.len() <= MAX_PAIRS && pairs.iter().all(sound) {
         Ok(pairs)
     } else {
@@ -111,6 +113,7 @@ pub(crate) fn meter_pairs(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::builder::MeshData;
 
     fn section(present: u16, curves: usize) -> Vec<u8> {
         let mut bytes = present.to_le_bytes().to_vec();
@@ -155,19 +158,35 @@ mod tests {
     #[test]
     fn pairs_outside_a_frame_are_refused() {
         let tag = Tag::METER_PAIRS;
-        let sizes = [Some([10, 8]), Some([6, 4])];
+        let section = |size| {
+            let mesh = MeshData {
+                step_log2: 3,
+                fraction_bits: 8,
+                first_cell: [0; 2],
+                cells: [1; 2],
+                origin_px: [0; 2],
+                source_size_px: size,
+                vertices: vec![[0; 2]; 16],
+            };
+            mesh.to_bytes()
+        };
+        let [left, right] = [section([10, 8]), section([6, 4])];
+        let meshes = [
+            Some(Mesh::parse(&left, Eye::Left).unwrap()),
+            Some(Mesh::parse(&right, Eye::Right).unwrap()),
+        ];
         let bytes = |numbers: [u16; 4]| numbers.map(u16::to_le_bytes).concat();
         let inside = bytes([9, 7, 5, 3]);
-        assert_eq!(meter_pairs(&inside, sizes).unwrap().len(), 1);
+        assert_eq!(meter_pairs(&inside, &meshes).unwrap().len(), 1);
         for outside in [[10, 0, 0, 0], [0, 8, 0, 0], [0, 0, 6, 0], [0, 0, 0, 4]] {
-            let error = meter_pairs(&bytes(outside), sizes).unwrap_err();
+            let error = meter_pairs(&bytes(outside), &meshes).unwrap_err();
             assert_eq!(error, TableError::Field { tag }, "{outside:?}");
         }
-        let one_eye = meter_pairs(&inside, [sizes[0], None]).unwrap_err();
+        let one_eye = meter_pairs(&inside, &[meshes[0], None]).unwrap_err();
         assert_eq!(one_eye, TableError::Field { tag });
-        let cut = meter_pairs(&inside[..7], sizes).unwrap_err();
+        let cut = meter_pairs(&inside[..7], &meshes).unwrap_err();
         assert_eq!(cut, TableError::SectionBounds { tag });
-        let many = meter_pairs(&vec![0; 8 * (MAX_PAIRS + 1)][..], sizes).unwrap_err();
+        let many = meter_pairs(&vec![0; 8 * (MAX_PAIRS + 1)], &meshes).unwrap_err();
         assert_eq!(many, TableError::Field { tag });
     }
 }

@@ -73,15 +73,13 @@ impl<'a> Tables<'a> {
         })?;
         let [mesh_left, mesh_right] = sections.mesh;
         let [rays_left, rays_right] = sections.rays;
-        let mesh = [
-            mesh_left.map(|b| Mesh::parse(b, Eye::Left)).transpose()?,
-            mesh_right.map(|b| Mesh::parse(b, Eye::Right)).transpose()?,
-        ];
-        let sizes_px = mesh.map(|mesh| mesh.map(|mesh| mesh.source_size_px()));
-        let tables = Self {
+        let mut tables = Self {
             header,
             length: bytes.len(),
-            mesh,
+            mesh: [
+                mesh_left.map(|b| Mesh::parse(b, Eye::Left)).transpose()?,
+                mesh_right.map(|b| Mesh::parse(b, Eye::Right)).transpose()?,
+            ],
             rays: [
                 rays_left
                     .map(|b| EyeRays::parse(b, Eye::Left))
@@ -95,10 +93,13 @@ impl<'a> Tables<'a> {
             tone: sections
                 .tone
                 .map_or(Ok(ToneCurves::default()), ToneCurves::parse)?,
-            meter_pairs: meter_pairs(sections.meter_pairs.unwrap_or(&[]), sizes_px)?,
+            meter_pairs: &[],
             metadata: core::str::from_utf8(sections.metadata.unwrap_or(&[]))
                 .map_err(|_| TableError::Field { tag: Tag::METADATA })?,
         };
+        if let Some(pairs) = sections.meter_pairs {
+            tables.meter_pairs = meter_pairs(pairs, &tables.mesh)?;
+        }
         (0..tables.output_height_px()).try_for_each(|row| tables.prove_row(row))?;
         Ok(tables)
     }

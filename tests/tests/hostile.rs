@@ -7,8 +7,12 @@ use tectum_tables::Tag;
 use tectum_tables::builder::{MeshData, TableBuilder, seal, with_section};
 use tectum_tests::{parse_and_run, rng, table};
 
+/// With one curve at most, for any byte of any curve is as good as another.
 fn small_table(seed: u64) -> TableBuilder {
-    table(&mut rng(seed), [20, 6])
+    let mut builder = table(&mut rng(seed), [20, 6]);
+    let curves = builder.tone.iter_mut().flatten().filter(|c| c.is_some());
+    curves.skip(1).for_each(|curve| *curve = None);
+    builder
 }
 
 #[test]

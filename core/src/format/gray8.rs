@@ -47,9 +47,7 @@ impl Kernel for Gray8 {
 
     #[inline(never)]
     fn tone(row: &mut [u8], start: usize, len: usize, curves: &Curves<'_>) {
-        let [Some(curve), ..] = curves else {
-            return;
-        };
+        let [curve, ..] = curves;
         for value in row.get_mut(start..start + len).unwrap_or_default() {
             *value = curve[usize::from(*value)];
         }

@@ -53,10 +53,7 @@ fn widened<const BITS: u32>(value: u32) -> u32 {
 
 /// What a channel of `BITS` bits becomes.
 #[inline(always)]
-fn toned<const BITS: u32>(value: u32, curve: Option<&Curve>) -> u32 {
-    let Some(curve) = curve else {
-        return value;
-    };
+fn toned<const BITS: u32>(value: u32, curve: &Curve) -> u32 {
     let full = (1 << BITS) - 1;
     // At most 8 bits, whatever the compiler knows of it.
     let value = curve[widened::<BITS>(value) as usize & 255];
@@ -124,10 +121,10 @@ mod tests {
     fn an_identity_curve_keeps_every_value() {
         let identity: Curve = core::array::from_fn(|value| value as u8);
         for value in 0..64 {
-            assert_eq!(toned::<6>(value, Some(&identity)), value);
+            assert_eq!(toned::<6>(value, &identity), value);
         }
         for value in 0..32 {
-            assert_eq!(toned::<5>(value, Some(&identity)), value);
+            assert_eq!(toned::<5>(value, &identity), value);
         }
     }
 
@@ -138,8 +135,8 @@ mod tests {
             for to in 0..=255u8 {
                 let curve = [to; 256];
                 let exact = |full: f64| (f64::from(to) * full / 255.0 + 0.5).floor() as u32;
-                assert_eq!(toned::<6>(value, Some(&curve)), exact(63.0));
-                assert_eq!(toned::<5>(five, Some(&curve)), exact(31.0));
+                assert_eq!(toned::<6>(value, &curve), exact(63.0));
+                assert_eq!(toned::<5>(five, &curve), exact(31.0));
             }
         }
     }

@@ -66,9 +66,7 @@ impl Kernel for Rgb8 {
             .unwrap_or_default();
         for pixel in pixels.as_chunks_mut::<3>().0 {
             for (value, curve) in pixel.iter_mut().zip(curves) {
-                if let Some(curve) = curve {
-                    *value = curve[usize::from(*value)];
-                }
+                *value = curve[usize::from(*value)];
             }
         }
     }

@@ -150,11 +150,7 @@ impl Kernel for Yuyv {
     #[inline(never)]
     fn tone(row: &mut [u8], start: usize, len: usize, curves: &Curves<'_>) {
         let [luma, blue, red] = *curves;
-        let tone = |value: &mut u8, curve: Option<&Curve>| {
-            if let Some(curve) = curve {
-                *value = curve[usize::from(*value)];
-            }
-        };
+        let tone = |value: &mut u8, curve: &Curve| *value = curve[usize::from(*value)];
         pixels(row, start, len, |[y0, u, y1, v], even| {
             if even {
                 tone(y0, luma);

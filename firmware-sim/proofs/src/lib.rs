@@ -9,7 +9,8 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 
 use tectum_core::{
-    BinaryAngle, Direction, Eye, Frame, Lookup, PixelFormat, Sampler, Stitcher, Tables,
+    BinaryAngle, Direction, Exposure, Eye, Frame, Gains, Lookup, Meter, PixelFormat, Sampler,
+    Stitcher, Tables, Tone,
 };
 
 #[panic_handler]
@@ -52,11 +53,34 @@ fn try_stitch<F: PixelFormat>(out: &mut [u8]) -> Option<()> {
         Sampler::Bilinear
     };
     let stitcher = Stitcher::new(&tables, sampler).ok()?;
+    // Curves from anywhere: how they come about is counted in `exposure`.
+    let stitcher = match black_box(None::<&Tone<F>>) {
+        Some(tone) => stitcher.with_tone(tone),
+        None => stitcher,
+    };
     let row = black_box(0);
     stitcher.row(&left, &right, row, out).ok()?;
     stitcher.frame(&left, &right, out, black_box(8)).ok()?;
     stitcher.left_row(&left, row, out).ok()?;
     stitcher.right_row(&right, row, out).ok()
+}
+
+/// Meters, and sets curves.
+pub fn exposure<F: PixelFormat>() {
+    let _ = black_box(try_exposure::<F>());
+}
+
+fn try_exposure<F: PixelFormat>() -> Option<()> {
+    let tables = Tables::parse(bytes()).ok()?;
+    let frame = Frame::<F>::new(bytes(), black_box(8), black_box(8), black_box(8)).ok()?;
+    let (mut meter, mut exposure) = (Meter::new(), Exposure::new(black_box(4)));
+    meter.read(&tables, Eye::Left, &frame).ok()?;
+    meter.read(&tables, Eye::Right, &frame).ok()?;
+    exposure.update(&meter);
+    let mut tone = Tone::<F>::new(&tables, Gains::ONE);
+    tone.set(&tables, exposure.gains());
+    black_box(tone);
+    Some(())
 }
 
 /// Asks for directions and pixels.

@@ -1,9 +1,13 @@
-//! Instructions of the core for each output pixel: by format, sampler and kind of pixel.
+//! Instructions of the core for each output pixel, by format, sampler and kind of pixel; for tone on
+//! top; and for following exposure.
 #![no_std]
 #![no_main]
 
 use tectum_board::{Counter, entry, exit_success};
-use tectum_core::{Gray8, PixelFormat, Rgb8, Rgb565, Stitcher, Tables, Yuyv};
+use tectum_core::{
+    Exposure, Eye, Gains, Gray8, Meter, PixelFormat, Rgb8, Rgb565, Sampler, StitchError, Stitcher,
+    Tables, Tone, Yuyv,
+};
 use tectum_firmware_sim::{data, log};
 use tectum_fixture::frames::Layout;
 use tectum_fixture::job::{SAMPLERS, pair};
@@ -26,7 +30,51 @@ fn main() -> ! {
     count::<Rgb565>(&mut counter, ROOM, Layout::Rgb565);
     count::<Yuyv>(&mut counter, ROOM, Layout::Yuyv);
     count::<Rgb8>(&mut counter, ROOM, Layout::Rgb8);
+    count_tone::<Gray8>(&mut counter, ROOM, Layout::Gray8);
+    count_tone::<Rgb565>(&mut counter, ROOM, Layout::Rgb565);
+    count_tone::<Yuyv>(&mut counter, ROOM, Layout::Yuyv);
+    count_tone::<Rgb8>(&mut counter, ROOM, Layout::Rgb8);
     exit_success()
+}
+
+/// Tone with a curve for every channel: what a picture of one eye takes more than without. Then
+/// what a frame takes for metering both eyes, and for new curves.
+fn count_tone<F: PixelFormat>(counter: &mut Counter, room: &mut [u8], layout: Layout) {
+    let tables = defmt::unwrap!(Tables::parse(data::ONE_EYE));
+    let [left, right] = pair::<F>(&tables, data::frames(layout)).expect("wrong frames");
+    let plain = defmt::unwrap!(Stitcher::<F>::new(&tables, Sampler::Nearest));
+    let mut tone = Tone::new(&tables, Gains::ONE);
+    let [without, with] = [plain, plain.with_tone(&tone)].map(|stitcher| {
+        let stride = stitcher.row_bytes();
+        let (instructions, result) =
+            counter.instructions(|| stitcher.frame(&left, &right, room, stride));
+        defmt::unwrap!(result);
+        instructions
+    });
+    log_per_pixel(
+        format_args!("{} tone", F::NAME),
+        &tables,
+        with.saturating_sub(without),
+    );
+
+    let tables = defmt::unwrap!(Tables::parse(data::TONED));
+    let (mut meter, mut exposure) = (Meter::new(), Exposure::new(Exposure::USUAL_RATE));
+    let (instructions, result) = counter.instructions(|| {
+        meter.read(&tables, Eye::Left, &left)?;
+        meter.read(&tables, Eye::Right, &right)?;
+        Ok::<_, StitchError>(exposure.update(&meter))
+    });
+    defmt::assert!(defmt::unwrap!(result));
+    let pairs = tables.meter_pairs().len();
+    log(&format_args!(
+        "{} metering {pairs} pairs {instructions} instructions/frame",
+        F::NAME
+    ));
+    let (instructions, ()) = counter.instructions(|| tone.set(&tables, exposure.gains()));
+    log(&format_args!(
+        "{} curves {instructions} instructions/frame",
+        F::NAME
+    ));
 }
 
 fn count<F: PixelFormat>(counter: &mut Counter, room: &mut [u8], layout: Layout) {

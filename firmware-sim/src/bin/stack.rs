@@ -3,7 +3,10 @@
 #![no_main]
 
 use tectum_board::{entry, exit_success, high_water_bytes};
-use tectum_core::{Gray8, PixelFormat, Rgb8, Rgb565, Stitcher, Tables, Yuyv};
+use tectum_core::{
+    Exposure, Eye, Gray8, Meter, PixelFormat, Rgb8, Rgb565, StitchError, Stitcher, Tables, Tone,
+    Yuyv,
+};
 use tectum_firmware_sim::{data, log};
 use tectum_fixture::frames::Layout;
 use tectum_fixture::job::{SAMPLERS, pair};
@@ -18,8 +21,34 @@ fn main() -> ! {
     measure::<Rgb565>(&tables, ROOM, Layout::Rgb565);
     measure::<Yuyv>(&tables, ROOM, Layout::Yuyv);
     measure::<Rgb8>(&tables, ROOM, Layout::Rgb8);
-    log(&format_args!("Tables {} bytes", size_of::<Tables>()));
+    measure_exposure();
+    for (what, bytes) in [
+        ("Tables", size_of::<Tables>()),
+        ("Meter", size_of::<Meter>()),
+        ("Exposure", size_of::<Exposure>()),
+        ("Tone", size_of::<Tone<Yuyv>>()),
+    ] {
+        log(&format_args!("{what} {bytes} bytes"));
+    }
     exit_success()
+}
+
+/// Metering, gains and curves; the state is the caller's and counted apart.
+fn measure_exposure() {
+    let tables = defmt::unwrap!(Tables::parse(data::TONED));
+    let frames = data::frames(Layout::Yuyv);
+    let [left, right] = pair::<Yuyv>(&tables, frames).expect("wrong frames");
+    let (mut meter, mut exposure) = (Meter::new(), Exposure::new(Exposure::USUAL_RATE));
+    let mut tone = Tone::<Yuyv>::new(&tables, exposure.gains());
+    let (bytes, result) = high_water_bytes(|| {
+        meter.read(&tables, Eye::Left, &left)?;
+        meter.read(&tables, Eye::Right, &right)?;
+        exposure.update(&meter);
+        tone.set(&tables, exposure.gains());
+        Ok::<_, StitchError>(())
+    });
+    defmt::unwrap!(result);
+    log(&format_args!("exposure {bytes} bytes"));
 }
 
 fn measure<F: PixelFormat>(tables: &Tables, room: &mut [u8], layout: Layout) {

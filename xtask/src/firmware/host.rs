@@ -1,26 +1,39 @@
 //! The stitching job on this machine, which every board must repeat to the byte.
 
+use std::fmt::Display;
 use std::fs;
 
 use anyhow::{Context, anyhow, bail};
 use tectum_core::{Eye, Tables};
 use tectum_fixture::frames::{self, Layout};
-use tectum_fixture::{job, queries, table_file};
+use tectum_fixture::job::JobError;
+use tectum_fixture::{job, queries, table_file, tone, toned};
 
 use super::board::Board;
 use super::repository;
 
 /// What a program should log, for those that this machine can repeat.
 pub fn lines(board: Board, program: &str) -> anyhow::Result<Option<Vec<String>>> {
-    let job = match program {
-        "stitch" => stitch,
-        "lookup" => lookup,
-        _ => return Ok(None),
-    };
+    if !["stitch", "tone", "lookup"].contains(&program) {
+        return Ok(None);
+    }
     let file = table_file(board.name()).ok_or_else(|| anyhow!("no table for this board"))?;
     let bytes = fs::read(repository().join(file)).with_context(|| format!("reading {file}"))?;
     let tables = Tables::parse(&bytes).with_context(|| format!("checking {file}"))?;
-    job(&tables).map(Some)
+    match program {
+        "stitch" => on_frames(&tables, |frames, room, log| {
+            job::run(&tables, frames, room, log)
+        }),
+        "tone" => {
+            let bytes = toned(&bytes).context("toning the table")?;
+            let tables = Tables::parse(&bytes).context("the toned table")?;
+            on_frames(&tables, |frames, room, log| {
+                tone::run(&tables, frames, room, log)
+            })
+        }
+        _ => lookup(&tables),
+    }
+    .map(Some)
 }
 
 /// Compares the lines a board logged with those of the host, snapshot or not.
@@ -44,7 +57,15 @@ fn lookup(tables: &Tables) -> anyhow::Result<Vec<String>> {
     Ok(lines)
 }
 
-fn stitch(tables: &Tables) -> anyhow::Result<Vec<String>> {
+/// A job on frames given by layout, with room for a picture and a log.
+fn on_frames(
+    tables: &Tables,
+    job: impl for<'a> Fn(
+        &dyn Fn(Layout) -> [&'a [u8]; 2],
+        &mut [u8],
+        &mut dyn FnMut(&dyn Display),
+    ) -> Result<(), JobError>,
+) -> anyhow::Result<Vec<String>> {
     let frame = |layout, eye| {
         let [width, height] = tables.source_size_px(eye).unwrap_or_default();
         frames::bytes(layout, eye as u32, width, height).collect::<Vec<u8>>()
@@ -57,8 +78,8 @@ fn stitch(tables: &Tables) -> anyhow::Result<Vec<String>> {
     let pixels = usize::from(tables.output_width_px()) * usize::from(tables.output_height_px());
     let mut room = vec![0; 3 * pixels];
     let mut lines = Vec::new();
-    job::run(tables, pair, &mut room, |line| lines.push(line.to_string()))
-        .map_err(|error| anyhow!("the job on the host: {error:?}"))?;
+    let mut log = |line: &dyn Display| lines.push(line.to_string());
+    job(&pair, &mut room, &mut log).map_err(|error| anyhow!("the job on the host: {error:?}"))?;
     Ok(lines)
 }
 

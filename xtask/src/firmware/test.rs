@@ -14,8 +14,9 @@ use super::{emulate, host, proofs, workspace};
 use crate::steps::Outcome;
 
 /// Programs that run, and how their output is compared.
-const PROGRAMS: [(&str, Compare); 4] = [
+const PROGRAMS: [(&str, Compare); 5] = [
     ("stitch", Compare::Exact),
+    ("tone", Compare::Exact),
     ("lookup", Compare::Exact),
     ("counts", Compare::Figures),
     ("stack", Compare::Figures),
@@ -30,7 +31,7 @@ pub struct Args {
     /// One board alone
     #[arg(long)]
     board: Option<Board>,
-    /// One program alone: stitch, lookup, counts, stack or proofs
+    /// One program alone: stitch, tone, lookup, counts, stack or proofs
     name: Option<String>,
 }
 

@@ -4,7 +4,7 @@
 
 use tectum_board::{entry, exit_success};
 use tectum_core::{Gray8, Rgb8, Rgb565, Yuyv};
-use tectum_proofs::{lookup, stitch};
+use tectum_proofs::{exposure, lookup, stitch};
 
 #[entry]
 fn main() -> ! {
@@ -13,6 +13,10 @@ fn main() -> ! {
     stitch::<Rgb565>(ROOM);
     stitch::<Yuyv>(ROOM);
     stitch::<Rgb8>(ROOM);
+    exposure::<Gray8>();
+    exposure::<Rgb565>();
+    exposure::<Yuyv>();
+    exposure::<Rgb8>();
     lookup();
     #[cfg(feature = "deliberate-panic")]
     {

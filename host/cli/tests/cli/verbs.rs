@@ -19,6 +19,8 @@ fn bake_gives_the_cost_sheet() {
         "/bytes/mesh_left",
         "/bytes/mesh_right",
         "/bytes/runs",
+        "/bytes/tone",
+        "/bytes/meter",
         "/bytes/other",
     ];
     let sum: f64 = sections.iter().map(|path| number(&json, path)).sum();
@@ -37,6 +39,51 @@ fn bake_gives_the_cost_sheet() {
         std::fs::read(first).unwrap(),
         std::fs::read(second).unwrap()
     );
+}
+
+#[test]
+fn tone_of_a_rig_is_baked_shown_and_verified() {
+    let bench = Bench::new();
+    // The left eye is darkened, red most; the right one stays.
+    let tone = image::RgbImage::from_fn(256, 2, |value, eye| {
+        let part = |tenths: u32| (value * if eye == 0 { tenths } else { 10 } / 10) as u8;
+        image::Rgb([part(7), part(8), part(8)])
+    });
+    tone.save(bench.path("tone.png")).unwrap();
+    let bytes = std::fs::read(bench.path("tone.png")).unwrap();
+    let named = tectum_optics::NamedFile::of("tone.png".into(), &bytes);
+    let rig = std::fs::read_to_string(bench.path("rig.toml")).unwrap();
+    let stitching = format!(
+        "{rig}\n[stitching]\ntone = {{ file = {:?}, sha256 = {:?} }}\n",
+        named.file, named.sha256
+    );
+    std::fs::write(bench.path("toned.toml"), stitching).unwrap();
+
+    let baked = bench.json("bake toned.toml -o toned.tct --size 160x80 --max-error 0.4");
+    assert_eq!(number(&baked, "/bytes/tone"), 4.0 + 6.0 * 256.0);
+    let pairs = number(&baked, "/bytes/meter") / 8.0;
+    assert!((200.0..300.0).contains(&pairs), "{pairs}");
+    assert!(number(&baked, "/tone_error_levels/chroma_rms") > 0.0);
+    let text = bench.done("bake toned.toml -o toned.tct --size 160x80 --max-error 0.4");
+    assert!(
+        text.contains("tone 1540") && text.contains("levels RMS"),
+        "{text}"
+    );
+
+    let inside = bench.json("inspect toned.tct");
+    let curves = serde_json::json!(["luma", "u", "v", "red", "green", "blue"]);
+    let left = serde_json::json!([{ "eye": "left", "curves": curves }]);
+    assert_eq!(inside["tone"], left);
+    assert_eq!(number(&inside, "/meter_pairs"), pairs);
+    let text = bench.done("inspect toned.tct");
+    assert!(
+        text.contains("left: luma, u, v") && text.contains("pairs"),
+        "{text}"
+    );
+
+    let verified = bench.json("verify toned.tct --rig toned.toml");
+    assert_eq!(verified["mismatches"], 0);
+    assert!(number(&verified, "/rounding_error_lsb") <= 0.5);
 }
 
 #[test]
