@@ -30,7 +30,7 @@ pub(super) fn pieces(grid: &Grid, pixels: &[usize], similarities: &[f64]) -> Vec
     let errors: Vec<f64> = similarities.iter().map(|s| 1.0 - s).collect();
     let greatest = errors.iter().copied().fold(0.0, f64::max);
     let mean = mean(errors.iter().copied());
-    if greatest <= (EVEN * mean).min(BAD).max(GOOD) {
+    if greatest <= (EVEN * mean).clamp(GOOD, BAD) {
         return Vec::new();
     }
     let threshold = otsu(&errors).clamp(GOOD, BAD);
