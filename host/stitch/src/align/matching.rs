@@ -43,7 +43,7 @@ pub(super) struct Match {
 pub(super) struct Pyramids(Vec<Vec<Eyes<Plane>>>);
 
 impl Pyramids {
-    pub fn new(shots: &[Views]) -> Self {
+    pub fn new(shots: &[&Views]) -> Self {
         let mut levels = vec![
             shots
                 .iter()

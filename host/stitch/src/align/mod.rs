@@ -12,7 +12,7 @@
 //! coarse enough for the core's mesh, which costs the core nothing; and a piece is kept only where
 //! the similarity it was made for rises.
 
-mod align;
+mod alignment;
 mod error;
 mod grid;
 mod lattice;
@@ -25,7 +25,7 @@ mod taper;
 mod tests;
 mod warp;
 
-pub use align::{AlignSummary, Alignment, PieceSummary, align};
+pub use alignment::{AlignSummary, Alignment, PieceSummary, align};
 pub use error::AlignError;
 pub use warp::Warp;
 

@@ -1,12 +1,19 @@
 //! Where the seam shows: its bad pieces.
 
+use std::collections::BTreeMap;
+
 use super::grid::Grid;
 use super::score::{PATCH_RADIUS_PX, mean};
 
-/// No piece is sought if the greatest error is at most this many means (Liao et al. 2023).
+/// No piece is sought if the greatest error is at most this many means (Liao et al. 2023) ...
 const EVEN: f64 = 1.5;
+/// ... and not above this: eyes that are far apart all along the seam are evenly bad.
+const BAD: f64 = 0.3;
 /// Errors below are not worth a bend: similarities above 0.9.
 const GOOD: f64 = 0.1;
+/// Longer pieces are parted, so that what helps one end does not hang on the other: columns of the
+/// frame to a turn.
+const SECTORS: usize = 24;
 /// Half the side of the square that closes gaps between patches, px (Liao et al. 2023: 10 px).
 const CLOSING_PX: i64 = 5;
 
@@ -17,16 +24,16 @@ pub(super) struct Piece {
     pub members: Vec<usize>,
 }
 
-/// Pieces of the seam whose error `1 - similarity` stands out: above Otsu's threshold, patches
-/// united, gaps closed, connected.
+/// Pieces of the seam whose error `1 - similarity` stands out: above Otsu's threshold (or plainly
+/// bad), patches united, gaps closed, connected.
 pub(super) fn pieces(grid: &Grid, pixels: &[usize], similarities: &[f64]) -> Vec<Piece> {
     let errors: Vec<f64> = similarities.iter().map(|s| 1.0 - s).collect();
     let greatest = errors.iter().copied().fold(0.0, f64::max);
     let mean = mean(errors.iter().copied());
-    if greatest <= (EVEN * mean).max(GOOD) {
+    if greatest <= (EVEN * mean).clamp(GOOD, BAD) {
         return Vec::new();
     }
-    let threshold = otsu(&errors).max(GOOD);
+    let threshold = otsu(&errors).clamp(GOOD, BAD);
     let bad: Vec<usize> = (0..pixels.len())
         .filter(|k| errors[*k] > threshold)
         .collect();
@@ -40,19 +47,15 @@ pub(super) fn pieces(grid: &Grid, pixels: &[usize], similarities: &[f64]) -> Vec
     // The squares were grown by the closing's reach; shrinking them again would change only their
     // outer border, which nothing reads: pieces are lists of the seam's pixels.
     let labels = labels(grid, &mask);
-    let count = labels.iter().flatten().max().map_or(0, |last| last + 1);
-    let mut pieces = vec![
-        Piece {
-            members: Vec::new()
-        };
-        count
-    ];
+    let mut pieces: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
     for (k, pixel) in pixels.iter().enumerate() {
         if let Some(label) = labels[*pixel] {
-            pieces[label].members.push(k);
+            let sector = pixel % grid.size_px[0] * SECTORS / grid.size_px[0];
+            pieces.entry((label, sector)).or_default().push(k);
         }
     }
-    pieces
+    let pieces = pieces.into_values().map(|members| Piece { members });
+    pieces.collect()
 }
 
 fn square(grid: &Grid, middle: usize, radius: i64, visit: &mut dyn FnMut(usize)) {
@@ -123,11 +126,18 @@ mod tests {
         let bad = |x: usize| !(20..246).contains(&x) || (100..130).contains(&x);
         let values: Vec<f64> = (0..256).map(|x| if bad(x) { 0.4 } else { 0.95 }).collect();
         let found = pieces(&grid, &pixels, &values);
-        assert_eq!(found.len(), 2);
-        // 30 bad pixels and the patches and closings to both sides.
-        assert!(found.iter().all(|p| p.members.len() == 60), "{found:?}");
-        assert!(found[0].members.contains(&0) && found[0].members.contains(&255));
-        assert!(pieces(&grid, &pixels, &[0.6; 256]).is_empty());
+        // 30 bad pixels each and 15 for the patches and closings to both sides, in sectors of 10 to
+        // 11 columns.
+        let all: Vec<usize> = found.iter().flat_map(|p| p.members.clone()).collect();
+        assert_eq!(all.len(), 120);
+        assert!(
+            [0, 255, 85, 144].iter().all(|k| all.contains(k)),
+            "{found:?}"
+        );
+        assert!(found.iter().all(|p| p.members.len() <= 11));
+        // Evenly fair is left alone, evenly bad is not.
+        assert!(pieces(&grid, &pixels, &[0.75; 256]).is_empty());
+        assert_eq!(pieces(&grid, &pixels, &[0.5; 256]).len(), SECTORS);
         assert!(pieces(&grid, &pixels, &[0.99; 256]).is_empty());
     }
 

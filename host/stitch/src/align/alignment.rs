@@ -17,6 +17,8 @@ use crate::colour::toned;
 use crate::seam::{Overlap, Seam, band};
 use crate::{Eyes, Views};
 
+/// Shots in which the eyes are matched, at most; all of them judge the bend.
+const MATCHED_SHOTS: usize = 6;
 /// What a piece's mean similarity must rise by to be kept.
 const WORTH: f64 = 0.005;
 
@@ -253,7 +255,11 @@ impl Work<'_> {
         if self.pieces.is_empty() {
             return Vec::new();
         }
-        let pyramids = Pyramids::new(views);
+        // Evenly spread over the shots.
+        let count = views.len().min(MATCHED_SHOTS);
+        let spread = |k: usize| &views[k * views.len() / count];
+        let spread: Vec<&Views> = (0..count).map(spread).collect();
+        let pyramids = Pyramids::new(&spread);
         let of_piece = |piece: &Piece| {
             let pixels: Vec<usize> = piece.members.iter().map(|k| self.pixels[*k]).collect();
             matches(&pyramids, &self.stage.grid, &pixels, self.stage.most_px())
