@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use image::GrayImage;
-use nalgebra::Rotation3;
+use tectum_optics::Rig;
 use tectum_optics::convention::angle_between;
 use tectum_optics::io::ocam_calib::OcamCalib;
-use tectum_optics::Rig;
 use tectum_stitch::Eyes;
-use tectum_stitch::epipolar::{Baseline, MarkerlessOptions, RayCheck, RelativePose, markerless};
+use tectum_stitch::epipolar::{
+    Baseline, EpipolarError, MarkerlessOptions, RayCheck, RelativePose, markerless,
+};
 use tectum_stitch::features::{
     Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features,
 };
@@ -60,80 +61,161 @@ fn published(folder: &Path, cameras: [usize; 2]) -> Rig {
     Rig::from_toml(&text, "sweepnet").unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn shots(folder: &Path, cameras: [usize; 2]) -> Vec<Eyes<GrayImage>> {
-    (1..=3)
-        .map(|frame| {
-            cameras.map(|camera| {
-                let file = folder.join(format!("cam{camera}/{frame:05}.png"));
-                image::open(file).expect("a picture").into_luma8()
-            })
-        })
-        .collect()
+fn shot(folder: &Path, cameras: [usize; 2], frame: usize) -> Eyes<GrayImage> {
+    cameras.map(|camera| {
+        let file = folder.join(format!("cam{camera}/{frame:05}.png"));
+        image::open(file).expect("a picture").into_luma8()
+    })
+}
+
+/// Share of RootSIFT's, SIFT's and ORB's raw matches that are right with OpenCV 5.0.0, by the same
+/// measure, median of the three frames.
+const OPENCV: [(Matcher, [f64; 3]); 3] = [
+    (Matcher::RootSift, [0.60, 0.67, 0.81]),
+    (Matcher::Sift, [0.49, 0.49, 0.73]),
+    (Matcher::Orb, [0.41, 0.60, 0.76]),
+];
+
+/// Share that is right of a shot's matches, and by chance, by the measure of OpenCV's figures:
+/// within 0.5 degrees of the plane, less than 40 degrees apart.
+fn right(overlap: &Overlap, shot: &Eyes<GrayImage>, matcher: Matcher, view: View) -> [f64; 2] {
+    let detector = Detector::new(matcher, None).expect("built in");
+    let features = shot_features(overlap, shot.each_ref(), &detector, view).expect("no network");
+    let matches = correspond(&features, 0, LOWE_RATIO);
+    let measure = RayCheck {
+        behind_rad: f64::INFINITY,
+        ..RayCheck::default()
+    };
+    let found = measure.consistency(&overlap.eyes, &matches);
+    println!(
+        "  {view:?} {}: {} and {} features, {} matches, {:.2} right, {:.2} by chance",
+        matcher.name(),
+        features[0].len(),
+        features[1].len(),
+        matches.len(),
+        found.share(),
+        found.chance
+    );
+    [found.share(), found.chance]
 }
 
 #[test]
-#[ignore]
-fn features_experiment() {
+fn opposite_eyes_share_features() {
     let Some(folder) = data("rig220-sweepnet") else {
         return;
     };
-    // The measure of the peers: within 0.5 degrees of the plane, less than 40 degrees apart.
-    let peers = RayCheck { behind_rad: 1.0, ..RayCheck::default() };
-    for cameras in PAIRS {
-        let overlap = Overlap::new(&published(&folder, cameras), 0.0).expect("two eyes");
-        let shots = shots(&folder, cameras);
-        for view in [View::Raw, View::Calibrated] {
-            for matcher in [Matcher::Sift, Matcher::RootSift, Matcher::Orb] {
-                let detector = Detector::new(matcher, None).expect("built in");
-                for (shot, pictures) in shots.iter().enumerate() {
-                    let start = std::time::Instant::now();
-                    let features =
-                        shot_features(&overlap, pictures.each_ref(), &detector, view).expect("runs");
-                    let found = correspond(&features, shot, LOWE_RATIO);
-                    let time = start.elapsed().as_millis();
-                    let like_peers = peers.consistency(&overlap.eyes, &found);
-                    let strict = RayCheck::default().consistency(&overlap.eyes, &found);
-                    println!(
-                        "{cameras:?} {view:?} {} {shot}: {} {} features, {} matches, {:.2} right \
-                         (chance {:.2}), {:.2} ahead too, {time} ms",
-                        matcher.name(), features[0].len(), features[1].len(), found.len(),
-                        like_peers.share(), like_peers.chance, strict.share(),
-                    );
-                }
-            }
-        }
+    let cameras = PAIRS[1];
+    let overlap = Overlap::new(&published(&folder, cameras), 0.0).expect("two eyes");
+    let shot = shot(&folder, cameras, 2);
+    for (matcher, least) in [(Matcher::RootSift, 0.67), (Matcher::Orb, 0.5)] {
+        let [share, chance] = right(&overlap, &shot, matcher, View::Raw);
+        // RootSIFT: no fewer than OpenCV's median. ORB scatters more between frames.
+        assert!(share > least && chance < 0.1, "{share} {chance}");
     }
 }
 
 #[test]
-#[ignore]
-fn markerless_experiment() {
+#[ignore = "all frames and matchers: minutes"]
+fn features_beside_opencv() {
     let Some(folder) = data("rig220-sweepnet") else {
         return;
     };
-    for cameras in PAIRS {
-        let rig = published(&folder, cameras);
-        let start = std::time::Instant::now();
-        let shots = shots(&folder, cameras);
-        let overlap = Overlap::new(&rig, 0.0).expect("two eyes");
-        let truth = RelativePose::of(&overlap.eyes);
-        match markerless(&rig, &shots, &MarkerlessOptions::default()) {
-            Ok(found) => {
-                let turn: Rotation3<f64> = found.pose.rotation * truth.rotation.inverse();
-                let along = match (found.pose.baseline, truth.baseline) {
-                    (Baseline::Towards(a), Baseline::Towards(b)) => angle_between(&a, &b),
-                    _ => f64::NAN,
-                };
+    for (pair, cameras) in PAIRS.into_iter().enumerate() {
+        let overlap = Overlap::new(&published(&folder, cameras), 0.0).expect("two eyes");
+        let shots = [1, 2, 3].map(|frame| shot(&folder, cameras, frame));
+        for (matcher, opencv) in OPENCV {
+            for view in [View::Raw, View::Calibrated] {
+                let mut shares = [0, 1, 2].map(|k| right(&overlap, &shots[k], matcher, view)[0]);
+                shares.sort_by(f64::total_cmp);
                 println!(
-                    "{cameras:?}: {} of {} inliers, rms {:.3}, off {:.3} (vector {:.3?}), +- {:.3?} worst {:.3}, baseline off {:.3} +- {:.3}  {:?}",
-                    found.inliers.len(), found.matches, found.rms_rad.to_degrees(),
-                    found.turned_rad.to_degrees(), turn.scaled_axis().map(f64::to_degrees).as_slice(),
-                    found.rotation_standard_error_rad.map(f64::to_degrees).as_slice(),
-                    found.worst_rotation_error_rad.to_degrees(),
-                    along.to_degrees(), found.baseline_standard_error_rad.to_degrees(), start.elapsed()
+                    "cameras {cameras:?} {view:?} {}: {:.2} right, median of 3 (OpenCV, raw: {:.2})",
+                    matcher.name(),
+                    shares[1],
+                    opencv[pair]
                 );
             }
-            Err(error) => println!("{cameras:?}: {error} {:?}", start.elapsed()),
         }
     }
+}
+
+/// How far the pose from three frames is from the published one, degrees: rotation, baseline.
+fn registered(folder: &Path, cameras: [usize; 2]) -> [f64; 2] {
+    let rig = published(folder, cameras);
+    let shots = [1, 2, 3].map(|frame| shot(folder, cameras, frame));
+    let found = markerless(&rig, &shots, &MarkerlessOptions::default())
+        .unwrap_or_else(|error| panic!("{cameras:?}: {error}"));
+    let eyes = Overlap::new(&rig, 0.0).expect("two eyes").eyes;
+    let (Baseline::Towards(a), Baseline::Towards(b)) =
+        (found.pose.baseline, RelativePose::of(&eyes).baseline)
+    else {
+        panic!("{cameras:?}: no baseline");
+    };
+    let off = [found.turned_rad, angle_between(&a, &b)].map(f64::to_degrees);
+    println!(
+        "cameras {cameras:?}: {} of {} matches agree, RMS {:.3} degrees; rotation {:.3} degrees from \
+         the published (standard error {:.3}), baseline {:.3} ({:.3})",
+        found.inliers.len(),
+        found.matches,
+        found.rms_rad.to_degrees(),
+        off[0],
+        found.worst_rotation_error_rad.to_degrees(),
+        off[1],
+        found.baseline_standard_error_rad.to_degrees()
+    );
+    off
+}
+
+#[test]
+#[ignore = "features of 18 pictures, twice: a minute"]
+fn markerless_registration_finds_the_published_poses() {
+    let Some(folder) = data("rig220-sweepnet") else {
+        return;
+    };
+    for cameras in PAIRS {
+        let [rotation, baseline] = registered(&folder, cameras);
+        // A board seen by three of the cameras is off the published poses and lenses by 0.16 to 0.34
+        // degrees RMS: nearer is not to be had on average. Neighbours' baseline hangs on the lens's
+        // scale.
+        assert!(rotation < 0.5, "{rotation}");
+        assert!(baseline < 1.5, "{baseline}");
+    }
+}
+
+#[test]
+#[ignore = "features of big pictures: half a minute"]
+fn swapped_eyes_are_refused() {
+    let Some(folder) = data("rig220-sweepnet") else {
+        return;
+    };
+    // Neighbours: what is forward of one is behind the other.
+    let [left, right] = shot(&folder, PAIRS[2], 2);
+    let rig = published(&folder, PAIRS[2]);
+    let refused = markerless(&rig, &[[right, left]], &MarkerlessOptions::default());
+    println!("{:?}", refused.as_ref().map(|found| found.turned_rad));
+    let error = refused.expect_err("left and right are swapped");
+    println!("{error}");
+}
+
+#[test]
+fn pictures_that_share_nothing_are_refused() {
+    let Some(folder) = data("rig220-sweepnet") else {
+        return;
+    };
+    let rig = published(&folder, PAIRS[0]);
+    let [left, _] = shot(&folder, PAIRS[0], 2);
+    let [width, height] = [left.width(), left.height()];
+    let black = GrayImage::new(width, height);
+    let options = MarkerlessOptions::default();
+    let refused = markerless(&rig, &[[left, black]], &options).unwrap_err();
+    assert!(
+        matches!(refused, EpipolarError::TooFew { agreeing: 0, .. }),
+        "{refused}"
+    );
+    let small = [GrayImage::new(width, height), GrayImage::new(3, 4)];
+    let refused = markerless(&rig, &[small], &options).unwrap_err();
+    assert!(
+        refused.to_string().contains("the right picture is 3x4 px"),
+        "{refused}"
+    );
+    assert_eq!(markerless(&rig, &[], &options), Err(EpipolarError::NoShots));
 }

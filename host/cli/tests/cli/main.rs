@@ -7,5 +7,6 @@ mod calibrate;
 mod common;
 mod demo;
 mod detect;
+mod matching;
 mod verbs;
 mod water;

@@ -79,7 +79,10 @@ impl RayCheck {
             for (pair, right) in shuffled.iter_mut().zip(rights) {
                 pair.right = right;
             }
-            by_chance += shuffled.iter().filter(|pair| self.passes(&pose, pair)).count();
+            by_chance += shuffled
+                .iter()
+                .filter(|pair| self.passes(&pose, pair))
+                .count();
         }
         Consistency {
             right: pairs.iter().map(passes).collect(),

@@ -6,8 +6,8 @@ use tectum_optics::RigEye;
 
 use super::{Baseline, RayCheck, RelativePose};
 use crate::features::{
-    Detector, DetectorError, Features, Overlap, ShotFeatures, Tile, mutual_matches_where, once_each,
-    tile_features,
+    Detector, DetectorError, Features, Overlap, ShotFeatures, Tile, mutual_matches_where,
+    once_each, tile_features,
 };
 use crate::{Correspondence, Eyes};
 

@@ -10,9 +10,7 @@ use super::{
     EpipolarError, Model, RansacOptions, RansacResult, RayCheck, RayPair, Refined, RelativePose,
     guided, ransac, refine,
 };
-use crate::features::{
-    Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features,
-};
+use crate::features::{Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features};
 use crate::{Correspondence, Eyes};
 
 /// How the pose is found, and when it is believed.
@@ -98,9 +96,8 @@ pub fn markerless(
         matches.extend(correspond(&features, shot, LOWE_RATIO));
     }
     let mut pose = first_pose(&eyes, &matches, options)?;
-    let turned_rad = |pose: &RelativePose| {
-        rotation_between(&RelativePose::of(&eyes).rotation, &pose.rotation)
-    };
+    let turned_rad =
+        |pose: &RelativePose| rotation_between(&RelativePose::of(&eyes).rotation, &pose.rotation);
     check_turn(turned_rad(&pose), options)?;
     let raw_matches = matches.clone();
     for _ in 0..GUIDED_ROUNDS {

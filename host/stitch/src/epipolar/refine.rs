@@ -1,6 +1,6 @@
 //! A relative pose refined over all correspondences, robustly, with standard errors.
 
-use nalgebra::{Matrix5, Rotation3, Vector2, Vector3, Vector5};
+use nalgebra::{DMatrix, Matrix5, Rotation3, SMatrix, Vector2, Vector3, Vector5};
 
 use super::pose::turned_by;
 use super::{Baseline, RayPair, RelativePose, rotation_only};
@@ -74,7 +74,7 @@ fn refine_epipolar(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Opt
         }
     }
     let Normal { h, scatter, .. } = Normal::new(pairs, &pose, cut_rad)?;
-    let inverse = h.try_inverse()?;
+    let inverse = inverse(&h)?;
     let covariance = inverse * scatter * inverse;
     let rotation = covariance.fixed_view::<3, 3>(0, 0).into_owned();
     let baseline = covariance.fixed_view::<2, 2>(3, 3).into_owned();
@@ -105,7 +105,8 @@ impl Normal {
             if miss >= cut_rad {
                 continue;
             }
-            let (residual, slope) = derivative(&b, &basis, &pair.left, &(pose.rotation * pair.right));
+            let (residual, slope) =
+                derivative(&b, &basis, &pair.left, &(pose.rotation * pair.right));
             let w = weight(residual, cut_rad);
             h += slope * slope.transpose() * w;
             g += slope * (w * residual);
@@ -139,7 +140,8 @@ fn derivative(
     let d = libm::sqrt(d2.max(1e-18));
     let normal = left.cross(right);
     let residual = b.dot(&normal) / d;
-    let by_rotation = (right.cross(&b.cross(left)) - b.cross(right) * (residual * along_right / d)) / d;
+    let by_rotation =
+        (right.cross(&b.cross(left)) - b.cross(right) * (residual * along_right / d)) / d;
     let by_b = (normal + (left * along_left + right * along_right) * (residual / d)) / d;
     let mut slope = Vector5::zeros();
     slope.fixed_rows_mut::<3>(0).copy_from(&by_rotation);
@@ -169,6 +171,14 @@ fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&[x, y, x.cross(&y)]))
 }
 
+/// Inverse of normal equations; `None` if a direction shows in the rays hardly more than rounding.
+fn inverse<const N: usize>(h: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
+    const LEAST_SHARE: f64 = 1e-9;
+    let curvatures = DMatrix::from_column_slice(N, N, h.as_slice()).symmetric_eigenvalues();
+    let (least, most) = (curvatures.min(), curvatures.max());
+    (least > LEAST_SHARE * most).then(|| h.try_inverse())?
+}
+
 fn refine_rotation(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Option<Refined> {
     let mut pose = *start;
     let mut best = total_loss(pairs, &pose, cut_rad);
@@ -193,7 +203,7 @@ fn refine_rotation(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Opt
         h += (nalgebra::Matrix3::identity() - right * right.transpose()) * w;
         scatter += gradient * gradient.transpose();
     }
-    let inverse = h.try_inverse()?;
+    let inverse = inverse(&h)?;
     let covariance = inverse * scatter * inverse;
     Some(Refined {
         pose,

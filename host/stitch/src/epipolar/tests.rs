@@ -7,9 +7,7 @@ use tectum_optics::convention::angle_between;
 
 use super::pose::rotation_between;
 use super::selection::rotation_suffices;
-use super::{
-    Baseline, Model, RansacOptions, RayPair, RelativePose, five_point, ransac, refine,
-};
+use super::{Baseline, Model, RansacOptions, RayPair, RelativePose, five_point, ransac, refine};
 
 /// Noise of each ray's direction about each of two axes, degrees.
 const NOISE_DEG: f64 = 0.1;
@@ -61,7 +59,11 @@ fn scene(
         .map(|i| {
             let exact = pair(&truth(), &point(&mut rng), 1.0);
             let other = pair(&truth(), &point(&mut rng), 1.0);
-            let right = if i < outliers { other.right } else { exact.right };
+            let right = if i < outliers {
+                other.right
+            } else {
+                exact.right
+            };
             RayPair {
                 left: noisy(&exact.left, &mut rng, NOISE_DEG),
                 right: noisy(&right, &mut rng, NOISE_DEG),
@@ -100,8 +102,14 @@ fn half_of_the_matches_may_be_wrong() {
         // give 0.05 to 0.1 degrees about the worst axis. Four standard errors never happen.
         assert!(sigma < 0.15, "{sigma}");
         assert!(error < 4.0 * sigma, "{error} {sigma}");
-        let wrong = found.inliers[..100].iter().filter(|inlier| **inlier).count();
-        let right = found.inliers[100..].iter().filter(|inlier| **inlier).count();
+        let wrong = found.inliers[..100]
+            .iter()
+            .filter(|inlier| **inlier)
+            .count();
+        let right = found.inliers[100..]
+            .iter()
+            .filter(|inlier| **inlier)
+            .count();
         // A band of +-0.4 degrees of 360 holds a few outliers by chance; 4 sigma hold all else.
         assert!(wrong <= 6 && right >= 95, "{wrong} {right}");
         assert!(found.rival_score < 0.5 * found.score);
@@ -159,7 +167,12 @@ fn a_far_scene_gives_the_rotation_alone() {
         ransac(&pairs, &options).unwrap()
     };
     let (rotation, epipolar) = (search(Model::RotationOnly), search(Model::Epipolar));
-    assert!(rotation_suffices(&pairs, &rotation, &epipolar, 0.2f64.to_radians()));
+    assert!(rotation_suffices(
+        &pairs,
+        &rotation,
+        &epipolar,
+        0.2f64.to_radians()
+    ));
     // 60 points of 0.14 degrees between their rays: 0.02 degrees about each axis.
     assert!(off_deg(&rotation.pose) < 0.1, "{}", off_deg(&rotation.pose));
     // A near scene is not explained by a rotation.
@@ -172,7 +185,12 @@ fn a_far_scene_gives_the_rotation_alone() {
         ransac(&near, &options).unwrap()
     };
     let (rotation, epipolar) = (search(Model::RotationOnly), search(Model::Epipolar));
-    assert!(!rotation_suffices(&near, &rotation, &epipolar, 0.2f64.to_radians()));
+    assert!(!rotation_suffices(
+        &near,
+        &rotation,
+        &epipolar,
+        0.2f64.to_radians()
+    ));
 }
 
 #[test]
@@ -185,7 +203,10 @@ fn a_plane_is_enough() {
     let pairs = scene(4, 200, 60, wall);
     let found = ransac(&pairs, &RansacOptions::default()).unwrap();
     let fine = refine(&pairs, &found.pose, 0.6f64.to_radians()).unwrap();
-    let (error, sigma) = (off_deg(&fine.pose), fine.worst_rotation_error_rad.to_degrees());
+    let (error, sigma) = (
+        off_deg(&fine.pose),
+        fine.worst_rotation_error_rad.to_degrees(),
+    );
     println!("off {error:.3} degrees, standard error {sigma:.3}");
     // Points on one side fix tilts worse than a ring: the standard error says so.
     assert!(error < 4.0 * sigma && sigma < 1.0, "{error} {sigma}");
@@ -203,9 +224,9 @@ fn nothing_comes_from_nothing() {
     assert_eq!(ransac(&[], &options), None);
     assert_eq!(ransac(&scene(1, 4, 0, ring_point), &options), None);
     let same = vec![pair(&truth(), &Vector3::new(1.0, 2.0, 0.3), 1.0); 30];
-    // One point 30 times: any answer is one of many, and none has a standard error.
-    let refined = ransac(&same, &options).and_then(|f| refine(&same, &f.pose, 0.01));
-    assert!(refined.is_none_or(|fine| !(fine.worst_rotation_error_rad < 0.01)), "{refined:?}");
+    // One point 30 times: any answer is one of many, and none is refined.
+    let refined = ransac(&same, &options).and_then(|found| refine(&same, &found.pose, 0.01));
+    assert_eq!(refined, None);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use image::GrayImage;
 
 use super::plane::Plane;
-use super::{Features, Orientation, OrbOptions, SiftOptions, orb, sift};
+use super::{Features, OrbOptions, Orientation, SiftOptions, orb, sift};
 
 /// A way to find and describe features, by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

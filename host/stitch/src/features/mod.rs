@@ -25,9 +25,9 @@ mod plane;
 mod shot;
 mod sift;
 pub mod superpoint;
-mod tile;
 #[cfg(test)]
 mod tests;
+mod tile;
 
 pub use detector::{Detector, DetectorError, Matcher};
 pub use homography::{PositionPair, homography_inliers};

@@ -28,7 +28,11 @@ impl Spots {
     fn luma(&self, [x, y]: [f64; 2]) -> f64 {
         let spots = self.0.iter().map(|[cx, cy, sigma, height]| {
             let d2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (sigma * sigma);
-            if d2 > 16.0 { 0.0 } else { height * libm::exp(-d2 / 2.0) }
+            if d2 > 16.0 {
+                0.0
+            } else {
+                height * libm::exp(-d2 / 2.0)
+            }
         });
         128.0 + spots.sum::<f64>()
     }
@@ -95,7 +99,9 @@ fn outcome(detector: &Detector, change: Similarity) -> Outcome {
         .detect(&spots.picture(|p| p), &both)
         .expect("no network");
     let second = detector
-        .detect(&spots.picture(|p| change.back(p)), &|p| both(change.back(p)))
+        .detect(&spots.picture(|p| change.back(p)), &|p| {
+            both(change.back(p))
+        })
         .expect("no network");
     let repeated = |keypoint: &&Keypoint| {
         let there = change.forth(keypoint.position_px);
@@ -121,8 +127,13 @@ fn detector(matcher: Matcher) -> Detector {
 #[test]
 fn sift_survives_turns_and_scales() {
     for matcher in [Matcher::Sift, Matcher::RootSift] {
-        for (turn_deg, scale) in [(0.0, 1.0), (37.0, 1.0), (180.0, 1.0), (75.0, 1.4), (-20.0, 0.7)]
-        {
+        for (turn_deg, scale) in [
+            (0.0, 1.0),
+            (37.0, 1.0),
+            (180.0, 1.0),
+            (75.0, 1.4),
+            (-20.0, 0.7),
+        ] {
             let found = outcome(&detector(matcher), Similarity { turn_deg, scale });
             println!(
                 "{} {turn_deg} deg x{scale}: {:.2} repeated, {} matches, {:.2} right",
@@ -131,10 +142,10 @@ fn sift_survives_turns_and_scales() {
                 found.matches,
                 found.right
             );
-            // Lowe 2004, Fig. 3-6: 80 to 90 % of the points are found again, nearly all of what
-            // passes the ratio test is right. Weak extrema near the contrast limit come and go.
-            assert!(found.repeated > 0.7, "{}", found.repeated);
-            assert!(found.right > 0.95 && found.matches > 60, "{}", found.right);
+            // Lowe 2004, Fig. 3-6: 80 to 90 % of the points are found again, nearly all of what passes
+            // the ratio test is right. A smaller picture has lost the smallest spots.
+            assert!(found.repeated > 0.8, "{}", found.repeated);
+            assert!(found.right > 0.98 && found.matches > 40, "{}", found.right);
         }
     }
 }
@@ -155,9 +166,21 @@ fn orb_survives_turns_and_small_scales() {
 
 #[test]
 fn upright_features_do_not_turn() {
-    let still = outcome(&Detector::upright(), Similarity { turn_deg: 0.0, scale: 1.0 });
+    let still = outcome(
+        &Detector::upright(),
+        Similarity {
+            turn_deg: 0.0,
+            scale: 1.0,
+        },
+    );
     assert!(still.right > 0.99, "{}", still.right);
-    let turned = outcome(&Detector::upright(), Similarity { turn_deg: 90.0, scale: 1.0 });
+    let turned = outcome(
+        &Detector::upright(),
+        Similarity {
+            turn_deg: 90.0,
+            scale: 1.0,
+        },
+    );
     // A quarter turn leaves hardly a match, and those by chance.
     assert!((turned.matches as f64 * turned.right) < 0.05 * still.matches as f64);
 }

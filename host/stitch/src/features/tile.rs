@@ -179,7 +179,10 @@ impl Tile {
     pub fn counts(&self, position_px: [f64; 2]) -> bool {
         let azimuth = -(self.map.u[0] + position_px[0] * self.map.u[1]);
         let [from, to] = self.columns_rad;
-        let seen = || self.ray(position_px).is_some_and(|ray| self.overlap.both(&ray));
+        let seen = || {
+            self.ray(position_px)
+                .is_some_and(|ray| self.overlap.both(&ray))
+        };
         (from..to).contains(&azimuth) && seen()
     }
 

@@ -22,7 +22,9 @@ pub fn draw(shot: &Eyes<GrayImage>, rows: &[Row]) -> RgbImage {
         .each_ref()
         .map(|picture| f64::from(half) / f64::from(picture.width()));
     let small = [0, 1].map(|eye| {
-        let height = (f64::from(shot[eye].height()) * scales[eye]).round().max(1.0);
+        let height = (f64::from(shot[eye].height()) * scales[eye])
+            .round()
+            .max(1.0);
         resize(&shot[eye], half, height as u32, FilterType::Triangle)
     });
     let font = font_for(WIDTH_PX);

@@ -42,7 +42,12 @@ pub struct Args {
     #[arg(long, value_name = "B", required = true, num_args = 1..)]
     right: Vec<PathBuf>,
     /// Ways to match: sift, rootsift, orb, superpoint
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "sift,rootsift,orb")]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "sift,rootsift,orb"
+    )]
     matcher: Vec<Matcher>,
     /// Weights of SuperPoint's network
     #[arg(long, value_name = "FILE.onnx")]

@@ -1,7 +1,9 @@
 //! What one way of matching is worth.
 
 use tectum_stitch::Correspondence;
-use tectum_stitch::epipolar::{Consistency, RansacOptions, RayCheck, RayPair, RelativePose, ransac};
+use tectum_stitch::epipolar::{
+    Consistency, RansacOptions, RayCheck, RayPair, RelativePose, ransac,
+};
 use tectum_stitch::features::{Overlap, PositionPair, Tile, View, homography_inliers};
 
 /// Residual up to which a homography keeps a match, px.

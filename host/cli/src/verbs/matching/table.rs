@@ -24,7 +24,11 @@ pub fn text(rows: &[Row]) -> String {
         let off = row
             .rotation_off_rad
             .map_or("-".to_owned(), |rad| format!("{:.2} deg", rad.to_degrees()));
-        let right = format!("{} = {:.2}", row.consistency.count(), row.consistency.share());
+        let right = format!(
+            "{} = {:.2}",
+            row.consistency.count(),
+            row.consistency.share()
+        );
         let features = format!("{} {}", row.features[0], row.features[1]);
         let _ = writeln!(
             text,

@@ -36,7 +36,13 @@ pub fn find(octave: &Octave, options: &SiftOptions) -> Vec<Extremum> {
         .flat_map_iter(|(layer, y)| {
             (BORDER_PX..width - BORDER_PX)
                 .filter(move |x| {
-                    is_extremum(octave, layer, *x, y, CANDIDATE_SHARE * options.least_contrast)
+                    is_extremum(
+                        octave,
+                        layer,
+                        *x,
+                        y,
+                        CANDIDATE_SHARE * options.least_contrast,
+                    )
                 })
                 .filter_map(move |x| refined(octave, [layer, x, y], options))
         })
@@ -71,8 +77,8 @@ fn refined(octave: &Octave, [layer, x, y]: [usize; 3], options: &SiftOptions) ->
         let offset = quadratic.extremum()?;
         if offset.iter().all(|o| o.abs() <= 0.5) {
             let contrast = (quadratic.value + 0.5 * quadratic.slope.dot(&offset)).abs();
-            let sound = contrast >= options.least_contrast
-                && !quadratic.is_edge(options.most_edge_ratio);
+            let sound =
+                contrast >= options.least_contrast && !quadratic.is_edge(options.most_edge_ratio);
             return sound.then(|| Extremum {
                 position_px: [x as f32 + offset.x, y as f32 + offset.y],
                 layer,

@@ -42,9 +42,7 @@ impl Octave {
 
     /// Where an extremum is in the original picture, px.
     pub fn position_px(&self, extremum: &Extremum) -> [f64; 2] {
-        extremum
-            .position_px
-            .map(|p| f64::from(p) * self.px_per_px)
+        extremum.position_px.map(|p| f64::from(p) * self.px_per_px)
     }
 
     fn new(first: Plane, px_per_px: f64) -> Self {

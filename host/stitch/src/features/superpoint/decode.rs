@@ -85,10 +85,7 @@ impl Outputs<'_> {
                     .collect();
                 let sum: f32 = exps.iter().sum();
                 for (c, exp) in exps[..CHANNELS - 1].iter().enumerate() {
-                    let [x, y] = [
-                        column * CELL_PX + c % CELL_PX,
-                        row * CELL_PX + c / CELL_PX,
-                    ];
+                    let [x, y] = [column * CELL_PX + c % CELL_PX, row * CELL_PX + c / CELL_PX];
                     pixels[y * width + x] = exp / sum;
                 }
             }

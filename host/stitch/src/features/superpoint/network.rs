@@ -21,7 +21,7 @@ impl SuperPoint {
     /// # Errors
     /// [`DetectorError::Network`] if it is none.
     pub fn load(file: &Path) -> Result<Self, DetectorError> {
-        let model = tract_onnx::onnx().model_for_path(file);
+        let model = onnx().model_for_path(file);
         Ok(Self {
             file: file.to_owned(),
             model: model.map_err(|error| failed(file, &error.to_string()))?,

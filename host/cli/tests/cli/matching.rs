@@ -1,0 +1,96 @@
+//! Ways of matching, side by side.
+
+use crate::common::Bench;
+
+const PAIR: &str = "--left left.png --right right.png";
+
+#[test]
+fn matchers_are_measured_and_drawn() {
+    let bench = Bench::new();
+    bench.done("simulate rig.toml -o . --samples 1");
+    let json = bench.json(&format!(
+        "match rig.toml {PAIR} --matcher rootsift,orb -o found.png"
+    ));
+    let rows = json["rows"].as_array().unwrap();
+    let names: Vec<String> = rows
+        .iter()
+        .map(|row| format!("{} {}", row["pictures"], row["matcher"]).replace('"', ""))
+        .collect();
+    let expected = [
+        "raw rootsift",
+        "raw orb",
+        "calibrated rootsift",
+        "calibrated orb",
+    ];
+    assert_eq!(names, expected);
+    for row in rows {
+        let share = |key: &str| row[key].as_f64().unwrap();
+        for key in [
+            "right_share",
+            "chance_share",
+            "homography_share",
+            "ray_share",
+        ] {
+            assert!((0.0..=1.0).contains(&share(key)), "{row}");
+        }
+        assert!(row["right"].as_u64() <= row["matches"].as_u64(), "{row}");
+    }
+    let (width, height) = bench.picture_size("found.png");
+    assert!(width == 1800 && height > 4 * 900, "{height}");
+    let text = bench.done(&format!("match rig.toml {PAIR} --matcher orb --raw"));
+    assert_eq!(text.lines().count(), 2, "{text}");
+    assert!(
+        text.contains("orb") && !text.contains("calibrated"),
+        "{text}"
+    );
+}
+
+#[test]
+fn what_cannot_be_matched_is_refused() {
+    let bench = Bench::new();
+    bench.done("simulate rig.toml -o . --samples 1");
+    image::GrayImage::new(30, 20)
+        .save(bench.path("small.png"))
+        .unwrap();
+    for (code, arguments, says) in [
+        (2, "match rig.toml --left left.png", "--right"),
+        (
+            2,
+            "match rig.toml --left left.png left.png --right right.png",
+            "in pairs",
+        ),
+        (
+            2,
+            "match rig.toml --left left.png --right right.png --matcher surf",
+            "surf",
+        ),
+        (
+            1,
+            "match rig.toml --left left.png --right small.png",
+            "30x20 px",
+        ),
+        (
+            1,
+            "match no.toml --left left.png --right right.png",
+            "no.toml",
+        ),
+        (
+            1,
+            "match rig.toml --left no.png --right right.png",
+            "no.png",
+        ),
+        (
+            1,
+            "match rig.toml --left left.png --right right.png -o found.gif",
+            "found.gif",
+        ),
+        (
+            1,
+            "match rig.toml --left left.png --right right.png --matcher superpoint",
+            "superpoint",
+        ),
+    ] {
+        let message = bench.refused(code, arguments);
+        assert!(message.contains(says), "{arguments}: {message}");
+    }
+}
