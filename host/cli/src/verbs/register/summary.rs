@@ -39,7 +39,7 @@ pub fn report(done: &Done, alone: &[PathBuf], outputs: &Outputs) -> Report {
         "matcher": done.ties.map(|ties| ties.matcher),
         "matches": done.ties.map(|ties| ties.ties.len()),
         "refused": done.ties.map(|ties| ties.refused().collect::<Vec<_>>()),
-        "inliers": done.registration.map(|found| agreeing(found)),
+        "inliers": done.registration.map(agreeing),
         "rms_px": done.registration.map(|found| found.rms_px),
         "rms_deg": done.registration.map(|found| found.rms_deg),
         "registration": done.registration,
