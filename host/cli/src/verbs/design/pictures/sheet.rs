@@ -145,7 +145,8 @@ impl Sheet {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 svg,
-                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" dy=\"0.35em\" fill=\"{}\">{}</text>",
+                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" dy=\"0.35em\" \
+                 fill=\"{}\">{}</text>",
                 words.at[0],
                 words.at[1],
                 hex(words.colour),
@@ -281,7 +282,7 @@ mod tests {
         }
         let png = sheet.png();
         let at = |x, y| png.get_pixel(x, y).0;
-        assert_eq!((at(10, 22), at(2, 2)), ([200, 0, 0], PAPER));
+        assert_eq!((at(10, 7), at(2, 2)), ([200, 0, 0], PAPER));
         assert_eq!(
             (at(33, 30)[1], at(40, 30), at(41, 6)),
             (200, PAPER, [0, 0, 200])
