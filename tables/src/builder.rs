@@ -10,10 +10,15 @@ use zerocopy::{FromBytes, IntoBytes};
 use crate::error::Tag;
 use crate::layout::{
     CRC_OFFSET, EyeRaysHeader, Header, MAGIC, MeshHeader, MeterPair, OutputMapLayout, SectionEntry,
-    ToneHeader, VERSION_MAJOR, VERSION_MINOR, VERSION_MINOR_TONE, Vertex,
+    ToneHeader, VERSION_MAJOR, Vertex,
 };
 use crate::view::checksum;
 use crate::{Channel, Curve, Eye, ProjectionKind};
+
+/// Minor version of a table without any section that came later.
+const VERSION_MINOR: u16 = 0;
+/// Minor version that brought tone curves and metering pairs.
+const VERSION_MINOR_TONE: u16 = 1;
 
 /// The mesh of one eye, owned. Fields as in [`crate::Mesh`].
 #[derive(Debug, Clone, PartialEq, Eq)]

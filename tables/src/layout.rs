@@ -8,10 +8,6 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 pub const MAGIC: [u8; 4] = *b"TCTM";
 /// Major version this crate reads and writes.
 pub const VERSION_MAJOR: u16 = 1;
-/// Minor version of a table without any section that came later.
-pub const VERSION_MINOR: u16 = 0;
-/// Minor version that brought tone curves and metering pairs.
-pub const VERSION_MINOR_TONE: u16 = 1;
 /// Byte offset of the CRC-32 field, the only bytes that the CRC does not cover.
 pub const CRC_OFFSET: usize = 12;
 
