@@ -10,20 +10,23 @@ use serde_json::json;
 use tectum_bake::convert::{from_rgb8, to_rgb8};
 use tectum_bake::{Format, Pair, Pass, output_map, stitch};
 use tectum_core::Sampler;
+use tectum_optics::Rig;
+use tectum_stitch::registration::planar::{self, PlanarOptions};
 
 use crate::frames::Frames;
 use crate::report::Report;
-use crate::{files, pictures, scales};
+use crate::{files, paired, pictures, scales};
 
 /// Pictures of both eyes to one, as the fish does it
 #[derive(clap::Args)]
 #[command(after_help = "EXAMPLES:\n  \
     tectum stitch fish.tct --left l.png --right r.png -o out.png --scales\n  \
     tectum stitch gear.tct --picture both-eyes.jpg -o sphere.png\n  \
-    tectum stitch fish.tct --left l.png --right r.png -o out.png --format yuyv --json\n\n\
+    tectum stitch fish.tct --left l.png --right r.png -o out.png --format yuyv --json\n  \
+    tectum stitch rig.toml --paper --left l.png --right r.png -o planar.png\n\n\
     `seconds` in the JSON is the core's time, without files and conversions.")]
 pub struct Args {
-    /// Table
+    /// Table; with --paper a rig file
     table: PathBuf,
     /// Picture of the left eye (PNG, JPEG, PNM)
     #[arg(long, value_name = "A", required_unless_present_any = ["picture", "right"])]
@@ -46,6 +49,10 @@ pub struct Args {
     /// How source pixels are read
     #[arg(long, value_enum, default_value_t = SamplerName::Bilinear)]
     sampler: SamplerName,
+    /// The planar picture of Tong et al. 2024 (Eq. 5) for comparison: both calibrated pictures halfway
+    /// along the homography that fits most of the overlap
+    #[arg(long, conflicts_with_all = ["scales", "format", "sampler", "one_eye_at_a_time"])]
+    paper: bool,
     /// Run as on a machine with memory for a single frame: the same bytes
     #[arg(long)]
     one_eye_at_a_time: bool,
@@ -74,6 +81,9 @@ enum SamplerName {
 /// Stitches and writes.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     pictures::format_of(&args.output)?;
+    if args.paper {
+        return planar(args);
+    }
     let bytes = files::read(&args.table)?;
     let tables = files::table(&bytes, &args.table)?;
     let both = args.picture.as_deref();
@@ -123,5 +133,38 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             seconds * 1e3
         ),
         json!({ "picture": args.output, "width": width, "height": height, "seconds": seconds }),
+    ))
+}
+
+/// The paper's way, from the rig alone.
+fn planar(args: &Args) -> anyhow::Result<Report> {
+    let rig = Rig::load(&args.table)?;
+    let both = args.picture.as_ref();
+    let file = |own: &Option<PathBuf>, name: &str| {
+        let file = own.as_ref().or(both).cloned();
+        file.with_context(|| format!("--paper needs both eyes: give the other with --{name}"))
+    };
+    let files = [file(&args.left, "left")?, file(&args.right, "right")?];
+    let pair = paired::load(&rig, &files)?;
+    let start = Instant::now();
+    let found = planar::of_rig(&rig, &PlanarOptions::default())?;
+    let picture = found.stitch(&rig, pair.each_ref())?;
+    let seconds = start.elapsed().as_secs_f64();
+    let (width, height) = picture.dimensions();
+    pictures::save(&args.output, picture)?;
+    let held = found.inliers.iter().filter(|held| **held).count();
+    let share = held as f64 / found.inliers.len() as f64;
+    Ok(Report::new(
+        format!(
+            "{}: {width}x{height} px; the homography holds {:.0} % of the overlap, to {:.2} px RMS",
+            args.output.display(),
+            100.0 * share,
+            found.rms_px
+        ),
+        json!({
+            "picture": args.output, "width": width, "height": height, "seconds": seconds,
+            "overlap_held": share, "rms_px": found.rms_px,
+            "h": found.h, "h1": found.h1, "h2": found.h2,
+        }),
     ))
 }

@@ -186,6 +186,34 @@ pub fn fit(
     })
 }
 
+/// Points of the overlap that stand for a rig's geometry, across and down a tile.
+const GRID: u32 = 40;
+
+/// The planar registration that a rig's own geometry gives: of what both eyes see at its stitch
+/// distance, as far as one homography can hold it.
+///
+/// # Errors
+/// [`PlanarError`] if the rig has one eye only, or no plane holds a part of its overlap.
+pub fn of_rig(rig: &Rig, options: &PlanarOptions) -> Result<Planar, PlanarError> {
+    let eyes = both(rig)?;
+    let frame = tile_frame(rig)?;
+    let [width, height] = options
+        .tile
+        .size_px
+        .map(|side| f64::from(side) / f64::from(GRID));
+    let place = |k: u32| [f64::from(k % GRID) * width, f64::from(k / GRID) * height];
+    let pairs = (0..GRID * GRID).filter_map(|k| {
+        let direction = frame * options.tile.direction(place(k))?;
+        let pixel = |eye: usize| eyes[eye].pixel_of(&direction, rig.stitch_distance_m).ok();
+        Some(Correspondence {
+            shot: 0,
+            left_px: pixel(0)?,
+            right_px: pixel(1)?,
+        })
+    });
+    fit(rig, &pairs.collect::<Vec<_>>(), options)
+}
+
 impl Planar {
     /// Both pictures warped to the stitched plane, the left one up to the pairs' middle, the right
     /// one from there on. Black where neither sees.
