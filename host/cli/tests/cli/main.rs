@@ -9,5 +9,6 @@ mod demo;
 mod design;
 mod detect;
 mod matching;
+mod register;
 mod verbs;
 mod water;
