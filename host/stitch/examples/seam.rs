@@ -39,15 +39,23 @@ fn main() -> Result<(), Failure> {
 
     let output = symmetric(&rig, [args.width_px, args.width_px / 2])?;
     let shares = seam.shares.seam_map([args.width_px, args.width_px / 2])?;
-    let owns: Vec<bool> = rays(&output)
-        .map(|ray| shares.left_share(&ray) >= 0.5)
-        .collect();
-    rig.stitching = Some(Stitching {
-        seam: Some(shares),
-        ..Stitching::default()
-    });
+    let owns: Vec<bool> = match args.geometry_deg {
+        None => rays(&output)
+            .map(|ray| shares.left_share(&ray) >= 0.5)
+            .collect(),
+        Some(_) => rays(&output)
+            .map(|ray| is_nearer_left(&rig, &ray))
+            .collect(),
+    };
+    if args.geometry_deg.is_none() {
+        rig.stitching = Some(Stitching {
+            seam: Some(shares),
+            ..Stitching::default()
+        });
+    }
     let shown = Views::render(&rig, pictures.each_ref(), &output);
-    let (stitched, bytes) = stitched(&rig, &output, &pictures)?;
+    let feather_rad = args.geometry_deg.unwrap_or(0.0).to_radians();
+    let (stitched, bytes) = stitched(&rig, &output, feather_rad, &pictures)?;
     let result: Vec<[f32; 3]> = stitched.pixels().map(|p| p.0.map(f32::from)).collect();
     let quality = Quality::measure(&shown, &result, &owns);
 
@@ -85,14 +93,17 @@ struct Args {
     right: PathBuf,
     folder: PathBuf,
     width_px: u16,
+    /// Width of the transition of the seam from geometry alone, in place of the cut.
+    geometry_deg: Option<f64>,
     options: SeamOptions,
 }
 
 impl Args {
     fn parse() -> Result<Self, Failure> {
-        let usage = "usage: seam RIG.toml LEFT [RIGHT] -o FOLDER [--width PX] [--key VALUE]...";
+        let usage = "usage: seam RIG.toml LEFT [RIGHT] -o FOLDER [--width PX] \
+                     [--geometry-feather DEG] [--key VALUE]...";
         let mut paths = Vec::new();
-        let (mut folder, mut width_px) = (None, 2048);
+        let (mut folder, mut width_px, mut geometry_deg) = (None, 2048, None);
         let mut options = SeamOptions::default();
         let mut args = std::env::args().skip(1);
         while let Some(arg) = args.next() {
@@ -103,6 +114,7 @@ impl Args {
             let value = args.next().ok_or(usage)?;
             match arg.as_str() {
                 "-o" => folder = Some(PathBuf::from(value)),
+                "--geometry-feather" => geometry_deg = Some(value.parse()?),
                 "--width" => width_px = value.parse()?,
                 "--gradient-weight" => options.energy.gradient_weight = value.parse()?,
                 "--sigmoid" => options.energy.sigmoid_per_level = Some(value.parse()?),
@@ -125,6 +137,7 @@ impl Args {
             left,
             folder: folder.ok_or(usage)?,
             width_px,
+            geometry_deg,
             options,
         })
     }
@@ -142,6 +155,15 @@ fn symmetric(rig: &Rig, size_px: [u16; 2]) -> Result<OutputMap, Failure> {
     Ok(map)
 }
 
+fn is_nearer_left(rig: &Rig, ray: &Vector3<f64>) -> bool {
+    let off = |eye: &Option<tectum_optics::RigEye>| {
+        eye.as_ref().map_or(f64::INFINITY, |eye| {
+            eye.off_axis_rad(ray, rig.stitch_distance_m)
+        })
+    };
+    off(&rig.left) <= off(&rig.right)
+}
+
 fn rays(map: &OutputMap) -> impl Iterator<Item = Vector3<f64>> + '_ {
     let [width, height] = map.size_px.map(usize::from);
     (0..width * height).filter_map(move |i| map.ray((i % width) as f64, (i / width) as f64))
@@ -150,12 +172,13 @@ fn rays(map: &OutputMap) -> impl Iterator<Item = Vector3<f64>> + '_ {
 fn stitched(
     rig: &Rig,
     output: &OutputMap,
+    feather_rad: f64,
     pictures: &Eyes<RgbImage>,
 ) -> Result<(RgbImage, serde_json::Value), Failure> {
     let options = BakeOptions {
         output: *output,
         max_error_px: 0.1,
-        feather_rad: 0.0,
+        feather_rad,
     };
     let baked = bake(rig, &options)?;
     let tables = Tables::parse(&baked.bytes).map_err(|error| error.to_string())?;

@@ -45,15 +45,17 @@ pub(super) struct Feather {
 
 impl Feather {
     /// Widest where mixing both eyes in any shot would not be seen, and no wider than what both eyes
-    /// see.
-    pub(super) fn new(shots: &[Views], cut: &[bool], options: &FeatherOptions) -> Self {
-        let [first, ..] = shots else {
-            unreachable!("the energy was made from pictures")
-        };
+    /// see, which is the same in all shots.
+    pub(super) fn new(
+        first: &Views,
+        shots: &[Views],
+        cut: &[bool],
+        options: &FeatherOptions,
+    ) -> Self {
         let (size_px, wraps) = (first.size_px(), first.wraps());
         let (beside, points) = beside(first, cut);
 
-        let differs = visible(shots, options.visible_levels);
+        let differs = visible(shots, cut.len(), options.visible_levels);
         let both: Vec<f32> = (0..cut.len())
             .map(|i| f32::from(u8::from(first.both(i))))
             .collect();
@@ -111,8 +113,8 @@ fn beside(views: &Views, cut: &[bool]) -> (Nearest, Vec<usize>) {
 }
 
 /// 1 where the eyes differ visibly in any shot.
-fn visible(shots: &[Views], levels: f32) -> Vec<f32> {
-    let mut visible = vec![0.0; shots[0].eyes[0].seen.len()];
+fn visible(shots: &[Views], pixels: usize, levels: f32) -> Vec<f32> {
+    let mut visible = vec![0.0; pixels];
     for shot in shots {
         let luma = |eye: usize| Gray::of_view(shot.size_px(), shot.wraps(), &shot.eyes[eye]);
         let [left, right] = [luma(0), luma(1)];

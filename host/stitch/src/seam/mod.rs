@@ -73,13 +73,14 @@ impl Seam {
         overlap: Overlap,
         options: &SeamOptions,
     ) -> Result<Self, SeamError> {
+        let first = shots.first().ok_or(SeamError::NoPictures)?;
         let energy = energy(shots, &options.energy)?;
         if !overlap.sides.contains(&cut::Side::Either) {
             return Err(SeamError::NoOverlap);
         }
         let cut = lattice(&overlap, &energy, &options.energy)?.cut();
-        let feather = Feather::new(shots, &cut.left, &options.feather);
-        let shares = Shares::new(shots[0].map, &cut.left, &feather);
+        let feather = Feather::new(first, shots, &cut.left, &options.feather);
+        let shares = Shares::new(first.map, &cut.left, &feather);
         Ok(Self {
             overlap,
             energy,
