@@ -16,7 +16,7 @@ use tectum_scene::{
 };
 
 /// Small, so that rendering takes seconds: finer pictures only do better.
-const SIZE_PX: [u32; 2] = [640, 480];
+const SIZE_PX: [u32; 2] = [800, 600];
 const HALF_FIELD_DEG: f64 = 105.0;
 const SQUARE_MM: f64 = 30.0;
 /// Pictures in which both eyes see the board, and those of each eye alone.
@@ -36,11 +36,11 @@ impl Eye {
     fn new(side: Side) -> Self {
         let (psi, tau) = (25.7f64.to_radians(), 29.15f64.to_radians());
         let (sign, centre_px) = match side {
-            Side::Left => (1.0, [321.4, 238.6]),
-            Side::Right => (-1.0, [317.9, 241.3]),
+            Side::Left => (1.0, [401.8, 298.1]),
+            Side::Right => (-1.0, [397.4, 301.9]),
         };
-        // r = f (t - 0.012 t^3 + 0.0015 t^5) with r = 237.5 px at 105 degrees.
-        let focal_px = 237.5 / 1.792_3;
+        // r = f (t - 0.012 t^3 + 0.0015 t^5) with r = 297 px at 105 degrees.
+        let focal_px = 297.0 / 1.792_3;
         let lens = KannalaBrandt::new([focal_px; 2], centre_px, [-0.012, 0.0015, 0.0, 0.0]);
         // Eyes are never mounted quite as drawn.
         let off = Rotation3::from_euler_angles(0.004, -0.006 * sign, 0.005);
@@ -237,7 +237,7 @@ fn eyes_and_their_relative_pose_are_the_true_ones() {
             joint[0][1],
         );
         assert_eq!(result.views_used(), BOTH + ALONE);
-        // What is asked of the calibration; today it is a third of that.
+        // What is asked of the calibration; today it is under half of that.
         assert!(alone[0][0] < 0.02 && alone[0][1] < 0.06, "{alone:?}");
         assert!(centre_px < 0.3, "{centre_px}");
     }
