@@ -2,7 +2,9 @@
 
 use image::RgbImage;
 use rayon::prelude::*;
-use tectum_optics::{OutputMap, Rig};
+use tectum_optics::{OutputMap, RgbCurves, Rig};
+
+use crate::colour::toned;
 
 /// Something of the left eye, then the same of the right.
 pub type Eyes<T> = [T; 2];
@@ -34,6 +36,15 @@ impl Views {
             map: *map,
             eyes: [0, 1].map(|eye| View::render(rig, eye, pictures[eye], map)),
         }
+    }
+
+    /// Both views with their eyes' tone curves applied.
+    #[must_use]
+    pub fn toned(mut self, curves: &Eyes<RgbCurves>) -> Self {
+        for (view, curves) in self.eyes.iter_mut().zip(curves) {
+            *view = toned(view, curves);
+        }
+        self
     }
 
     /// Width and height, px.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use tectum_optics::{Projection, Rig};
 use tectum_stitch::align::{AlignOptions, align};
-use tectum_stitch::colour::{match_eyes, toned};
+use tectum_stitch::colour::match_eyes;
 use tectum_stitch::seam::{Overlap, Quality, Seam, SeamOptions, band};
 use tectum_stitch::{Eyes, Views};
 
@@ -61,9 +61,7 @@ struct Stitched {
 fn stitched(rig: &Rig, eyes: &Eyes<RgbImage>, tone: Option<&Tone>, seam: &Seam) -> Stitched {
     let mut views = views(rig, eyes, [2048, 1024]);
     if let Some(tone) = tone {
-        for (view, curves) in views.eyes.iter_mut().zip(tone) {
-            *view = toned(view, curves);
-        }
+        views = views.toned(tone);
     }
     let share = |i: usize| match [0, 1].map(|eye| views.eyes[eye].seen[i]) {
         [true, true] => {
@@ -165,9 +163,7 @@ fn compare(name: &str, rig: &Rig, eyes: &Eyes<RgbImage>, truth: Option<&RgbImage
         let map = band(rig, 2048).unwrap();
         let mut views = Views::render(rig, pictures, &map);
         if let Some(tone) = tone {
-            for (view, curves) in views.eyes.iter_mut().zip(tone) {
-                *view = toned(view, curves);
-            }
+            views = views.toned(tone);
         }
         let overlap = Overlap::new(&views, AlignOptions::default().margin_px);
         Seam::find(&[views], overlap, &SeamOptions::default()).unwrap()

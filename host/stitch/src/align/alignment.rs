@@ -13,7 +13,6 @@ use super::pieces::{Piece, pieces};
 use super::score::{mean, seam_pixels, similarities};
 use super::taper::{fade, reach_px};
 use super::{AlignOptions, Warp};
-use crate::colour::toned;
 use crate::seam::{Overlap, Seam, band};
 use crate::{Eyes, Views};
 
@@ -202,13 +201,11 @@ impl<'a> Stage<'a> {
         let stitching = rig.stitching.get_or_insert_default();
         stitching.warp = warp.and_then(|warp| warp.map().ok());
         let shot = |pictures: &Eyes<&RgbImage>| {
-            let mut views = Views::render(&rig, *pictures, &self.grid.map);
-            if let Some(tone) = self.tone {
-                for (view, curves) in views.eyes.iter_mut().zip(tone) {
-                    *view = toned(view, curves);
-                }
+            let views = Views::render(&rig, *pictures, &self.grid.map);
+            match self.tone {
+                Some(tone) => views.toned(tone),
+                None => views,
             }
-            views
         };
         self.shots.iter().map(shot).collect()
     }

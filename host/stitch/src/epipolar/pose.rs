@@ -1,8 +1,8 @@
 //! Relative poses and how far rays are from them.
 
 use nalgebra::{Rotation3, Vector3};
-use tectum_optics::RigEye;
 use tectum_optics::convention::angle_between;
+use tectum_optics::{RigEye, vector_of_rotation};
 
 use super::RayPair;
 use crate::Eyes;
@@ -94,41 +94,5 @@ fn sampson(b: &Vector3<f64>, left: &Vector3<f64>, right: &Vector3<f64>) -> f64 {
 
 /// Angle of the rotation between two, rad.
 pub(crate) fn rotation_between(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
-    rotation_vector(&(a.inverse() * b)).norm()
-}
-
-/// Axis times angle, rad, below half a turn; by `atan2`, exact near 0 (Rodrigues).
-pub(crate) fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
-    let m = rotation.matrix();
-    let twice_sine = Vector3::new(
-        m[(2, 1)] - m[(1, 2)],
-        m[(0, 2)] - m[(2, 0)],
-        m[(1, 0)] - m[(0, 1)],
-    );
-    let angle = libm::atan2(twice_sine.norm(), m.trace() - 1.0);
-    if twice_sine.norm() > 1e-12 {
-        return twice_sine * (angle / twice_sine.norm());
-    }
-    // No turn, or half of one: then the axis is the column of R + I that is longest.
-    if m.trace() > 0.0 {
-        return Vector3::zeros();
-    }
-    let doubled = m + nalgebra::Matrix3::identity();
-    let longest = (0..3).max_by(|a, b| {
-        let norm = |k: usize| doubled.column(k).norm();
-        norm(*a).total_cmp(&norm(*b))
-    });
-    doubled.column(longest.unwrap_or(0)).normalize() * std::f64::consts::PI
-}
-
-/// Rotation of a rotation vector (axis times angle, rad), with `libm`'s functions (Rodrigues).
-pub(crate) fn turned_by(v: &Vector3<f64>) -> Rotation3<f64> {
-    let angle = v.norm();
-    if angle == 0.0 {
-        return Rotation3::identity();
-    }
-    let k = (v / angle).cross_matrix();
-    let matrix =
-        nalgebra::Matrix3::identity() + k * libm::sin(angle) + k * k * (1.0 - libm::cos(angle));
-    Rotation3::from_matrix_unchecked(matrix)
+    vector_of_rotation(&(a.inverse() * b)).norm()
 }

@@ -1,8 +1,8 @@
 //! A relative pose refined over all correspondences, robustly, with standard errors.
 
 use nalgebra::{DMatrix, Matrix5, Rotation3, SMatrix, Vector2, Vector3, Vector5};
+use tectum_optics::rotation_vector;
 
-use super::pose::turned_by;
 use super::{Baseline, RayPair, RelativePose, rotation_only};
 
 /// A refined pose.
@@ -158,7 +158,7 @@ fn moved(pose: &RelativePose, step: &Vector5<f64>) -> Option<RelativePose> {
     let turn: Vector3<f64> = step.fixed_rows::<3>(0).into_owned();
     let shift = Vector2::new(step[3], step[4]);
     Some(RelativePose {
-        rotation: orthonormal(&(turned_by(&turn) * pose.rotation)),
+        rotation: orthonormal(&(rotation_vector(&turn) * pose.rotation)),
         baseline: Baseline::Towards((b + first * shift.x + second * shift.y).normalize()),
     })
 }

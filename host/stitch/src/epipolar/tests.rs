@@ -131,7 +131,7 @@ fn standard_errors_are_what_scatters() {
         let pairs = scene(100 + seed, 100, 0, ring_point);
         let fine = refine(&pairs, &truth(), 0.6f64.to_radians()).unwrap();
         let turn = fine.pose.rotation * truth().rotation.inverse();
-        let off = super::pose::rotation_vector(&turn);
+        let off = tectum_optics::vector_of_rotation(&turn);
         for k in 0..3 {
             let z = off[k] / fine.rotation_standard_error_rad[k];
             sum += z * z;

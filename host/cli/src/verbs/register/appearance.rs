@@ -6,7 +6,7 @@ use tectum_bake::{BakeOptions, Format, Pair, Pass, bake, stitch};
 use tectum_core::{Sampler, Tables};
 use tectum_optics::{Projection, RgbCurves, Rig};
 use tectum_stitch::align::{AlignOptions, AlignSummary, Warp, align};
-use tectum_stitch::colour::{ColourSummary, match_eyes, midway, toned};
+use tectum_stitch::colour::{ColourSummary, match_eyes, midway};
 use tectum_stitch::seam::{Overlap, Quality, Seam, SeamOptions, band};
 use tectum_stitch::{Eyes, Views};
 
@@ -101,13 +101,11 @@ impl Appearance {
     ) -> anyhow::Result<Seam> {
         let frame = band(rig, options.width_px)?;
         let view = |pair: &Eyes<&RgbImage>| {
-            let mut views = Views::render(rig, *pair, &frame);
-            if let Some(curves) = &self.curves {
-                for (view, curves) in views.eyes.iter_mut().zip(curves) {
-                    *view = toned(view, curves);
-                }
+            let views = Views::render(rig, *pair, &frame);
+            match &self.curves {
+                Some(curves) => views.toned(curves),
+                None => views,
             }
-            views
         };
         let views: Vec<Views> = shots.iter().map(view).collect();
         let overlap = Overlap::new(&views[0], options.margin_px);
@@ -147,9 +145,7 @@ pub fn stitched(rig: &Rig, pictures: &Eyes<RgbImage>) -> anyhow::Result<Stitched
     let quality = seam.and_then(|seam| {
         let mut views = Views::render(rig, pictures.each_ref(), &output);
         if let Some(curves) = stitching.and_then(|stitching| stitching.tone.as_ref()) {
-            for (view, curves) in views.eyes.iter_mut().zip(curves) {
-                *view = toned(view, curves);
-            }
+            views = views.toned(curves);
         }
         let [width, _] = views.size_px();
         let owns = |i: usize| {
