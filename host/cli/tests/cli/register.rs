@@ -22,6 +22,15 @@ fn colours_and_seam_of_the_pool_are_found_baked_and_verified() {
     bench.done("bake eyes.toml -o eyes.tct --size 160x80 --max-error 0.4");
     let verified = bench.json("verify eyes.tct --rig eyes.toml --left left.png --right right.png");
     assert_eq!(verified["mismatches"], 0);
+    // Nothing of an earlier registration is measured: the second finds what the first did.
+    bench.done(
+        "register eyes.toml --left left.png --right right.png --keep-poses -o again.toml --width 512",
+    );
+    for part in ["seam", "tone"] {
+        let [first, second] = ["eyes", "again"]
+            .map(|rig| std::fs::read(bench.path(&format!("{rig}-{part}.png"))).unwrap());
+        assert!(first == second, "{part}");
+    }
     // What the rig names must be what it was registered with.
     std::fs::copy(bench.path("left.png"), bench.path("eyes-seam.png")).unwrap();
     let refused = bench.refused(1, "bake eyes.toml -o eyes.tct --size 160x80");

@@ -110,7 +110,9 @@ enum ToneName {
 
 /// Registers.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
-    let rig = Rig::load(&args.rig)?;
+    let mut rig = Rig::load(&args.rig)?;
+    // Found anew below: an earlier bend in the pictures would be measured, but not written.
+    rig.stitching = None;
     let outputs = outputs::Outputs::new(args);
     for file in outputs.all() {
         files::check_writable(file)?;
