@@ -240,7 +240,11 @@ proptest! {
         azimuth in 0.0..TAU,
     ) {
         if lens.end_radius.is_finite() {
-            let pixel = lens.pixel(factor * lens.end_radius, azimuth);
+            // Outwards from the circle in the picture. Decentring at many times the circle's radius
+            // would fold the plane and put a far ideal point into the circle, where a ray is right.
+            let edge = lens.pixel(lens.end_radius, azimuth);
+            let centre = lens.model.principal_point_px();
+            let pixel = [0, 1].map(|k| centre[k] + factor * (edge[k] - centre[k]));
             prop_assert_eq!(lens.model.unproject(pixel), Err(ModelError::OutsideImage));
         }
     }
@@ -354,4 +358,28 @@ fn published_lenses_of_220_degrees_go_there_and_back() {
     }
     println!("rig220-sweepnet: {worst_rad:.1e} rad, {worst_px:.1e} px");
     assert!(worst_rad <= 1e-9 && worst_px <= 1e-6);
+}
+
+#[test]
+fn a_pixel_in_the_circle_has_the_ray_of_the_circle_not_of_a_fold() {
+    let lens = Ocam::new(
+        vec![100.0, 0.0, -0.003, 0.0, -5e-8],
+        [0.0; 2],
+        [0.95, 0.0, 0.0],
+        350.0,
+    )
+    .and_then(|lens| lens.with_decentring([3.964e-5, -7.8906e-5]))
+    .unwrap();
+    // An ideal point at eleven times the circle's radius, which decentring moves into the circle.
+    let far = 11.36 * lens.max_rho_px() * nalgebra::Vector2::new(0.8409, -0.5412);
+    let shifted = far + Ocam::decentring_px(lens.decentring_per_px(), far);
+    assert!(shifted.norm() < 0.8 * lens.max_rho_px(), "{shifted}");
+    let pixel = [shifted.x, 0.95 * shifted.y];
+    let model = CameraModel::Ocam(lens);
+    let back = model.project(&model.unproject(pixel).unwrap()).unwrap();
+    // Rounding of a root at hundreds of px.
+    assert!(
+        (0..2).all(|k| (back[k] - pixel[k]).abs() < 1e-9),
+        "{back:?} {pixel:?}"
+    );
 }
