@@ -12,7 +12,9 @@ mod pictures;
 mod pool;
 mod progress;
 mod report;
+mod rig_files;
 mod scales;
+mod shown;
 mod verbs;
 
 use std::process::ExitCode;

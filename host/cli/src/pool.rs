@@ -1,11 +1,13 @@
-//! The simulated pool as the eyes of a rig see it. The body sits in the middle of the pool, its
-//! frame is the pool's.
+//! The simulated pool as the eyes of a rig see it.
+
+use std::path::Path;
 
 use anyhow::Context;
-use nalgebra::Point3;
 use tectum_optics::{Medium, Rig, RigEye};
+use tectum_scene::camera::Pose;
 use tectum_scene::{Ray, RenderOptions, Rendered, Scene, SceneDescription, render};
 
+use crate::files;
 use crate::frames::Frames;
 
 /// The furnished pool, full or empty as the rig's medium says.
@@ -16,12 +18,22 @@ pub fn furnished(rig: &Rig) -> SceneDescription {
     })
 }
 
-/// The camera of an eye: pixel to ray in the pool.
-pub fn camera(eye: &RigEye) -> impl Fn(f64, f64) -> Option<Ray> + Sync {
+/// A pool that somebody described in TOML.
+pub fn load(path: &Path) -> anyhow::Result<SceneDescription> {
+    let bytes = files::read(path)?;
+    let text = std::str::from_utf8(&bytes);
+    let text = text.with_context(|| format!("{}: not text", path.display()))?;
+    toml::from_str(text).with_context(|| format!("{}: describes no scene", path.display()))
+}
+
+/// The camera of an eye on a body: pixel to ray in the pool.
+pub fn camera(eye: &RigEye, body: Pose) -> impl Fn(f64, f64) -> Option<Ray> + Sync {
+    let axes = body.world_from_body();
+    let origin_m = body.position_m + axes * eye.pose.position_m;
+    let rotation = axes * eye.pose.rotation.matrix();
     move |x_px, y_px| {
         let ray = eye.eye.unproject([x_px, y_px]).ok()?;
-        let origin_m = Point3::from(eye.pose.position_m);
-        Some(Ray::new(origin_m, eye.pose.rotation * ray))
+        Some(Ray::new(origin_m, rotation * ray))
     }
 }
 
@@ -29,6 +41,7 @@ pub fn camera(eye: &RigEye) -> impl Fn(f64, f64) -> Option<Ray> + Sync {
 pub fn both_eyes(
     scene: &Scene,
     rig: &Rig,
+    body: Pose,
     seed: u32,
     samples_per_side: u32,
 ) -> anyhow::Result<[Option<Rendered>; 2]> {
@@ -40,7 +53,7 @@ pub fn both_eyes(
         eye.as_ref()
             .map(|eye| {
                 let [width, height] = eye.eye.size_px.map(u32::from);
-                render(scene, width, height, &camera(eye), &options)
+                render(scene, width, height, &camera(eye, body), &options)
                     .with_context(|| format!("{name} eye of rig {}", rig.name))
             })
             .transpose()

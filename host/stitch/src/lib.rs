@@ -6,6 +6,7 @@
 //! ```text
 //! pictures ──► matching (boards with a marker) ─┐
 //!          └─► features (SIFT, ORB, …) ─► epipolar ┴─► registration ──► poses, focal scales
+//! boards beside the fish ──► orientation ──► the turn of both eyes in the body, or a scale of its own
 //! poses ──► views (both eyes in one picture) ──► colour ──► seam ◄──► align ──► curves, shares, warp
 //! ```
 
@@ -16,6 +17,7 @@ mod correspondence;
 pub mod epipolar;
 pub mod features;
 pub mod matching;
+pub mod orientation;
 pub mod registration;
 pub mod report;
 pub mod seam;

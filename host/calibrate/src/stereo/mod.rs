@@ -11,7 +11,7 @@ mod pairs;
 mod tests;
 
 use nalgebra::{Rotation3, Vector3};
-use tectum_optics::CameraModel;
+use tectum_optics::{CameraModel, Pose};
 
 use crate::solve::Problem;
 use crate::{Calibration, Parameter};
@@ -50,6 +50,18 @@ impl StereoCalibration {
     /// The symmetric mount that is nearest to the eyes' relative rotation.
     pub fn mount(&self) -> MountFit {
         MountFit::of(&self.rotation)
+    }
+
+    /// Poses of the left and the right eye in the body frame of that mount, whose origin is midway
+    /// between the eyes.
+    pub fn poses(&self) -> [Pose; 2] {
+        let rotations = self.mount().rotations;
+        let half_m = rotations[0] * self.position_mm / 2000.0;
+        let pose = |rotation, position_m| Pose {
+            rotation,
+            position_m,
+        };
+        [pose(rotations[0], -half_m), pose(rotations[1], half_m)]
     }
 }
 

@@ -11,6 +11,7 @@ use tectum_tables::RunKind;
 use crate::args::{Position, degrees};
 use crate::files;
 use crate::report::Report;
+use crate::shown::run_at;
 
 /// Which direction a pixel shows, and which pixel shows a direction
 #[derive(clap::Args)]
@@ -143,12 +144,7 @@ fn eye_direction(
 
 /// Who the stitched picture shows at a position; `None` for nobody.
 fn owner(tables: &Tables<'_>, position_q8: [i32; 2]) -> Option<&'static str> {
-    let [x, y] = position_q8.map(|q8| (q8 + 128) >> 8);
-    let x = u32::try_from(x).ok()?;
-    let run = tables
-        .runs(u16::try_from(y).ok()?)
-        .find(|run| (run.start..run.start + run.len).contains(&x))?;
-    match run.kind {
+    match run_at(tables, position_q8.map(|q8| f64::from(q8) / 256.0))? {
         RunKind::Void => None,
         RunKind::Left => Some("left"),
         RunKind::Right => Some("right"),

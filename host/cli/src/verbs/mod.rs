@@ -1,5 +1,6 @@
 //! One module a verb.
 
+mod align;
 mod bake;
 mod board;
 mod calibrate;
@@ -27,6 +28,7 @@ pub enum Verb {
     Calibrate(Box<calibrate::Args>),
     Bake(bake::Args),
     Register(Box<register::Args>),
+    Align(Box<align::Args>),
     Verify(verify::Args),
     Stitch(stitch::Args),
     Lookup(lookup::Args),
@@ -47,6 +49,7 @@ impl Verb {
             Self::Calibrate(args) => calibrate::run(&args),
             Self::Bake(args) => bake::run(&args),
             Self::Register(args) => register::run(&args),
+            Self::Align(args) => align::run(&args),
             Self::Verify(args) => verify::run(&args),
             Self::Stitch(args) => stitch::run(&args),
             Self::Lookup(args) => lookup::run(&args),

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use image::{ImageBuffer, Luma};
+use nalgebra::{Matrix3, Vector3};
 use serde_json::json;
 use tectum_optics::Rig;
 use tectum_optics::convention::yaw_pitch;
@@ -10,14 +11,17 @@ use tectum_scene::{RenderOptions, Rendered, Scene, Seen, Truth, Wall, camera, re
 
 use crate::progress::Progress;
 use crate::report::Report;
-use crate::{pictures, pool};
+use crate::{files, pictures, pool};
 
 /// The simulated pool as the eyes of a rig see it
 #[derive(clap::Args)]
 #[command(after_help = "EXAMPLES:\n  \
     tectum simulate rig.toml -o pool\n  \
-    tectum simulate rig.toml -o pool --seed 7 --samples 4 --truth\n\n\
-    The body is in the middle of a 12 x 8 x 2.4 m pool, its frame is the pool's.\n\
+    tectum simulate rig.toml -o pool --seed 7 --samples 4 --truth\n  \
+    tectum simulate rig.toml -o dive --attitude 0,40,0 --position 0,0,0.4\n  \
+    tectum simulate rig.toml -o tank --scene tank.toml\n\n\
+    The body is in the middle of a 12 x 8 x 2.4 m pool, its frame is the pool's, unless --position\n\
+    and --attitude say otherwise, or --scene describes another pool (`docs/scene.md`).\n\
     Writes left.png and right.png. With --truth also equirect.png (1024x512, what a perfect eye at\n\
     the body's origin sees) and for each eye 16-bit PNGs, one value a pixel, seen from that eye:\n  \
     left-yaw.png    32768 + yaw * 65536 / 360 degrees, body frame, positive to the left; 0 outside\n  \
@@ -32,6 +36,17 @@ pub struct Args {
     /// Folder to write to
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Pool and all that is in it, instead of the furnished one
+    #[arg(long, value_name = "FILE.toml")]
+    scene: Option<PathBuf>,
+    /// Where the body is in the pool, m
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, default_value = "0,0,0",
+        allow_hyphen_values = true)]
+    position: [f64; 3],
+    /// How the body is turned: yaw (left positive), pitch (up negative), roll (right side down), degrees
+    #[arg(long, value_name = "YAW,PITCH,ROLL", value_parser = triple, default_value = "0,0,0",
+        allow_hyphen_values = true)]
+    attitude: [f64; 3],
     /// Seed of the sensor noise
     #[arg(long, default_value_t = 0)]
     seed: u32,
@@ -48,21 +63,28 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let rig = Rig::load(&args.rig)?;
     let progress = Progress::new(if args.truth { 2 } else { 1 });
     progress.step("rendering both eyes");
-    let scene = Scene::new(&pool::furnished(&rig))?;
-    let eyes = pool::both_eyes(&scene, &rig, args.seed, args.samples)?;
-    let mut written = Vec::new();
+    let description = match &args.scene {
+        Some(path) => pool::load(path)?,
+        None => pool::furnished(&rig),
+    };
+    let scene = Scene::new(&description)?;
+    let body = args.body();
+    let eyes = pool::both_eyes(&scene, &rig, body, args.seed, args.samples)?;
+    let text = toml::to_string(&description)?;
+    files::write(&args.output.join("scene.toml"), text.as_bytes())?;
+    let mut written = vec!["scene.toml".to_owned()];
     for (eye, name) in eyes.iter().zip(["left", "right"]) {
         let Some(eye) = eye else {
             continue;
         };
         write_picture(&args.output, &format!("{name}.png"), eye, &mut written)?;
         if args.truth {
-            write_truth(&args.output, name, eye, &mut written)?;
+            write_truth(&args.output, name, eye, body, &mut written)?;
         }
     }
     if args.truth {
         progress.step("rendering the sphere");
-        let sphere = camera::equirect(1024, 512, camera::Pose::default());
+        let sphere = camera::equirect(1024, 512, body);
         let options = RenderOptions {
             samples_per_side: args.samples,
             ..RenderOptions::default()
@@ -75,6 +97,27 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         text,
         json!({ "folder": args.output, "files": written }),
     ))
+}
+
+impl Args {
+    fn body(&self) -> camera::Pose {
+        let [yaw_deg, pitch_deg, roll_deg] = self.attitude;
+        camera::Pose {
+            position_m: self.position.into(),
+            yaw_deg,
+            pitch_deg,
+            roll_deg,
+        }
+    }
+}
+
+fn triple(text: &str) -> Result<[f64; 3], String> {
+    let numbers = text.split(',').map(|number| number.trim().parse().ok());
+    let numbers: Option<Vec<f64>> = numbers.collect();
+    let finite = numbers.filter(|numbers| numbers.iter().all(|number| number.abs() <= 1e4));
+    finite
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| "needed are three numbers, such as 0,40,-10".into())
 }
 
 fn write_picture(
@@ -90,25 +133,31 @@ fn write_picture(
 }
 
 /// One quantity of the truth as 16 bits.
-type Quantity = fn(&Truth) -> u16;
+type Quantity = fn(&Truth, &Matrix3<f64>) -> u16;
 
 fn write_truth(
     folder: &Path,
     eye: &str,
     rendered: &Rendered,
+    body: camera::Pose,
     written: &mut Vec<String>,
 ) -> anyhow::Result<()> {
+    let body_from_world = body.world_from_body().transpose();
     let quantities: [(&str, Quantity); 4] = [
-        ("yaw", |truth| angle_code(angles(truth).0)),
-        ("pitch", |truth| angle_code(angles(truth).1)),
-        ("range", |truth| (truth.range_m * 1000.0).round() as u16),
-        ("object", |truth| object_code(truth.seen)),
+        ("yaw", |truth, body| angle_code(angles(truth, body).0)),
+        ("pitch", |truth, body| angle_code(angles(truth, body).1)),
+        ("range", |truth, _| (truth.range_m * 1000.0).round() as u16),
+        ("object", |truth, _| object_code(truth.seen)),
     ];
     for (quantity, code) in quantities {
         let values: Vec<u16> = rendered
             .truth
             .iter()
-            .map(|truth| truth.as_ref().map_or(0, code))
+            .map(|truth| {
+                truth
+                    .as_ref()
+                    .map_or(0, |truth| code(truth, &body_from_world))
+            })
             .collect();
         let picture =
             ImageBuffer::<Luma<u16>, _>::from_raw(rendered.width, rendered.height, values)
@@ -120,8 +169,8 @@ fn write_truth(
     Ok(())
 }
 
-fn angles(truth: &Truth) -> (f64, f64) {
-    yaw_pitch(&nalgebra::Vector3::from(truth.direction))
+fn angles(truth: &Truth, body_from_world: &Matrix3<f64>) -> (f64, f64) {
+    yaw_pitch(&(body_from_world * Vector3::from(truth.direction)))
 }
 
 fn angle_code(rad: f64) -> u16 {

@@ -49,7 +49,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     } else if let Some(rig) = &rig {
         let scene = Scene::new(&pool::furnished(rig))?;
         // One ray a pixel: what is in the picture matters little here.
-        (pool::frames(&pool::both_eyes(&scene, rig, 0, 1)?), "pool")
+        (
+            pool::frames(&pool::both_eyes(&scene, rig, Default::default(), 0, 1)?),
+            "pool",
+        )
     } else {
         (Frames::noise(&tables), "noise")
     };

@@ -2,8 +2,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use nalgebra::Vector3;
+
 use super::DesignError;
 use crate::Side;
+use crate::convention::yaw_pitch;
 
 /// Which angle is called the pitch of a corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -14,6 +17,16 @@ pub enum PitchConvention {
     /// The angle in the transverse plane, as the paper's Eq. 7 and Table 1 have it: the same for
     /// all corners of a row.
     Paper,
+}
+
+impl PitchConvention {
+    /// Pitch of a direction of any length in the body frame, rad, up negative.
+    pub fn pitch_rad(self, direction: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Elevation => yaw_pitch(direction).1,
+            Self::Paper => -libm::atan2(direction.z, direction.y.abs()),
+        }
+    }
 }
 
 /// A chessboard that stands upright beside the fish, parallel to it. Corner (0, 0) is level with
@@ -50,11 +63,26 @@ impl OrientationBoard {
 
     /// Pitch of corner (i, j), rad, up negative.
     pub fn pitch_rad(&self, i: i32, j: i32, convention: PitchConvention) -> f64 {
+        convention.pitch_rad(&self.corner(Side::Left, i, j))
+    }
+
+    /// Corner (i, j) in the body frame, in the board's unit of length.
+    pub fn corner(&self, side: Side, i: i32, j: i32) -> Vector3<f64> {
         let [up, ahead] = [i, j].map(|n| f64::from(n) * self.square);
-        let away = match convention {
-            PitchConvention::Elevation => libm::hypot(self.distance, ahead),
-            PitchConvention::Paper => self.distance,
+        let out = match side {
+            Side::Left => self.distance,
+            Side::Right => -self.distance,
         };
-        -libm::atan2(up, away)
+        Vector3::new(ahead, out, up)
+    }
+
+    /// Side of a square.
+    pub fn square(&self) -> f64 {
+        self.square
+    }
+
+    /// Distance of corner (0, 0) from the body's origin.
+    pub fn distance(&self) -> f64 {
+        self.distance
     }
 }

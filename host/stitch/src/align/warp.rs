@@ -1,6 +1,7 @@
 //! The bend as a rig holds it.
 
 use image::{ExtendedColorType, ImageEncoder, ImageError, codecs::png::PngEncoder};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use tectum_optics::convention::{angle_between, yaw_pitch};
 use tectum_optics::{Projection, WarpMap};
@@ -27,27 +28,40 @@ pub struct Warp {
 impl Warp {
     /// Both eyes moved by half of the field, in opposite directions.
     pub(super) fn new(lattice: &Lattice, grid: &Grid) -> Option<Self> {
+        Self::of(|shown| {
+            let at = grid.position(shown);
+            let apart = lattice.at(at);
+            [0.5, -0.5].map(|sign| {
+                // Exactly still where nothing moves: there the mesh needs nothing finer.
+                if apart == [0.0; 2] {
+                    return *shown;
+                }
+                grid.direction([at[0] + sign * apart[0], at[1] + sign * apart[1]])
+            })
+        })
+    }
+
+    /// The warp that shows in each unit direction, body frame, what lies in the `bent` directions for
+    /// the left and the right eye.
+    pub(crate) fn of(bent: impl Fn(&Vector3<f64>) -> [Vector3<f64>; 2] + Sync) -> Option<Self> {
         let map = Projection::Equirect.output_map(SIZE_PX).ok()?;
         let width = usize::from(SIZE_PX[0]);
         let pixel = |i: usize| {
             let shown = map.ray((i % width) as f64, (i / width) as f64)?;
-            let at = grid.position(&shown);
-            let apart = lattice.at(at);
+            let (yaw, pitch) = yaw_pitch(&shown);
             let mut steps = [0.0; 4];
             let mut greatest = 0.0f64;
-            if apart != [0.0; 2] {
-                let (yaw, pitch) = yaw_pitch(&shown);
-                for (eye, sign) in [0.5, -0.5].into_iter().enumerate() {
-                    let moved = [at[0] + sign * apart[0], at[1] + sign * apart[1]];
-                    let bent = grid.direction(moved);
-                    let (to_yaw, to_pitch) = yaw_pitch(&bent);
-                    let by_yaw = libm::remainder(to_yaw - yaw, std::f64::consts::TAU);
-                    for (k, by) in [by_yaw, to_pitch - pitch].into_iter().enumerate() {
-                        let steps_of = libm::round(by.to_degrees() / STEP_DEG);
-                        steps[2 * eye + k] = steps_of.clamp(-NO_OFFSET, NO_OFFSET - 1.0);
-                    }
-                    greatest = greatest.max(angle_between(&bent, &shown).to_degrees());
+            for (eye, bent) in bent(&shown).into_iter().enumerate() {
+                if bent == shown {
+                    continue;
                 }
+                let (to_yaw, to_pitch) = yaw_pitch(&bent);
+                let by_yaw = libm::remainder(to_yaw - yaw, std::f64::consts::TAU);
+                for (k, by) in [by_yaw, to_pitch - pitch].into_iter().enumerate() {
+                    let steps_of = libm::round(by.to_degrees() / STEP_DEG);
+                    steps[2 * eye + k] = steps_of.clamp(-NO_OFFSET, NO_OFFSET - 1.0);
+                }
+                greatest = greatest.max(angle_between(&bent, &shown).to_degrees());
             }
             Some((steps, greatest))
         };

@@ -32,6 +32,7 @@ pub use gray::Gray;
 pub use overlap::Overlap;
 pub use quality::{Quality, ghosts};
 pub use shares::Shares;
+pub(crate) use shares::shares_png;
 pub use ssim::{mean_ssim, ssim_map};
 
 use crate::Views;

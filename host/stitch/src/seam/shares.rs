@@ -61,15 +61,7 @@ impl Shares {
     /// # Errors
     /// [`SeamError::Size`]: a side of 0.
     pub fn in_body(&self, size_px: [u16; 2]) -> Result<Vec<u8>, SeamError> {
-        let map = Projection::Equirect
-            .output_map(size_px)
-            .map_err(|_| SeamError::Size)?;
-        let [width, height] = size_px.map(usize::from);
-        let share = |i: usize| {
-            let ray = map.ray((i % width) as f64, (i / width) as f64);
-            libm::round(255.0 * ray.map_or(0.0, |ray| self.at(&ray))) as u8
-        };
-        Ok((0..width * height).into_par_iter().map(share).collect())
+        in_body(size_px, |direction| self.at(direction))
     }
 
     /// The same as a seam map.
@@ -85,12 +77,39 @@ impl Shares {
     /// # Errors
     /// [`SeamError::Size`]: a side of 0.
     pub fn to_png(&self, size_px: [u16; 2]) -> Result<Vec<u8>, SeamError> {
-        let [width, height] = size_px.map(u32::from);
-        let shares = self.in_body(size_px)?;
-        let gray = image::GrayImage::from_raw(width, height, shares).ok_or(SeamError::Size)?;
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        gray.write_to(&mut bytes, image::ImageFormat::Png)
-            .map_err(|_| SeamError::Size)?;
-        Ok(bytes.into_inner())
+        shares_png(size_px, |direction| self.at(direction))
     }
+}
+
+/// The left eye's shares (0..=1) of all directions as the bytes of a PNG file: what `[stitching]` of a
+/// rig holds.
+///
+/// # Errors
+/// [`SeamError::Size`]: a side of 0.
+pub(crate) fn shares_png(
+    size_px: [u16; 2],
+    share: impl Fn(&Vector3<f64>) -> f64 + Sync,
+) -> Result<Vec<u8>, SeamError> {
+    let [width, height] = size_px.map(u32::from);
+    let shares = in_body(size_px, share)?;
+    let gray = image::GrayImage::from_raw(width, height, shares).ok_or(SeamError::Size)?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    gray.write_to(&mut bytes, image::ImageFormat::Png)
+        .map_err(|_| SeamError::Size)?;
+    Ok(bytes.into_inner())
+}
+
+fn in_body(
+    size_px: [u16; 2],
+    share: impl Fn(&Vector3<f64>) -> f64 + Sync,
+) -> Result<Vec<u8>, SeamError> {
+    let map = Projection::Equirect
+        .output_map(size_px)
+        .map_err(|_| SeamError::Size)?;
+    let [width, height] = size_px.map(usize::from);
+    let byte = |i: usize| {
+        let ray = map.ray((i % width) as f64, (i / width) as f64);
+        libm::round(255.0 * ray.map_or(0.0, |ray| share(&ray))) as u8
+    };
+    Ok((0..width * height).into_par_iter().map(byte).collect())
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Vector3;
 use serde_json::json;
 use tectum_calibrate::session::{Pairs, pair_by_name};
 use tectum_calibrate::solve::{self, Problem};
@@ -99,7 +99,6 @@ fn write_eye(
 /// The rig: body frame by the symmetric mount nearest to the eyes, origin midway between them.
 fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> String {
     let mount = both.mount();
-    let half = mount.rotations[0] * both.position_mm / 2.0;
     let [about_x, about_y, about_z] = degrees(&both.rotation_standard_error_rad);
     let mut text = format!(
         "# Made by tectum {} from pictures that both eyes took at once.\n\
@@ -119,16 +118,15 @@ fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> String {
             .to_string_lossy(),
         Medium::from(args.medium),
     );
-    let places = [("left", -half), ("right", half)];
-    for (k, (side, position_mm)) in places.into_iter().enumerate() {
-        let rotation: &Rotation3<f64> = &mount.rotations[k];
+    let eyes = ["left", "right"].into_iter().zip(eyes);
+    for ((side, file), pose) in eyes.zip(both.poses()) {
         let _ = write!(
             text,
             "\n[{side}]\nfile = {:?}\n[{side}.pose]\nrotation_vector_rad = {:?}\n\
              position_mm = {:?}\n",
-            eyes[k].file_name().unwrap_or_default().to_string_lossy(),
-            <[f64; 3]>::from(rotation.scaled_axis()),
-            <[f64; 3]>::from(position_mm),
+            file.file_name().unwrap_or_default().to_string_lossy(),
+            <[f64; 3]>::from(pose.rotation.scaled_axis()),
+            <[f64; 3]>::from(pose.position_m * 1000.0),
         );
     }
     text

@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let description = pool::furnished(&rig);
     let scene = Scene::new(&description)?;
     let samples_per_side = if args.fast { 1 } else { 3 };
-    let eyes = pool::both_eyes(&scene, &rig, 0, samples_per_side)?;
+    let eyes = pool::both_eyes(&scene, &rig, Default::default(), 0, samples_per_side)?;
 
     progress.step("baking the table");
     let map = Projection::Equirect.output_map(args.size.0)?;
@@ -176,7 +176,7 @@ impl Job {
 
 fn large(scene: &Scene, folder: &mut Folder<'_>) -> anyhow::Result<Large> {
     let rig = Rig::from_toml(LARGE_RIG, "the demo's larger rig")?;
-    let eyes = pool::both_eyes(scene, &rig, 0, 2)?;
+    let eyes = pool::both_eyes(scene, &rig, Default::default(), 0, 2)?;
     let map = Projection::Equirect.output_map(LARGE_PX)?;
     let job = Job::new(&rig, &map, &pool::frames(&eyes), 0.035)?;
     folder.save("stitched-1280.png", &job.stitched)?;

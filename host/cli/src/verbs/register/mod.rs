@@ -139,7 +139,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     progress.step("colours and seam");
     let appearance = Appearance::find(args, registered, &pictures)?;
     progress.step("writing");
-    let rig = outputs.write_rig(registered, &appearance)?;
+    let (rig, mut written) = outputs.write_rig(registered, &appearance)?;
     let stitched = appearance::stitched(&rig, &pictures[0])?;
     let done = Done {
         args,
@@ -151,10 +151,11 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         pictures: &pictures,
         every,
     };
-    if let Some(path) = &args.report {
+    if let Some(path) = outputs.report() {
         files::write(path, page::html(&done).as_bytes())?;
+        written.push(path);
     }
-    Ok(summary::report(&done, &paired.alone, &outputs))
+    Ok(summary::report(&done, &paired.alone, &written))
 }
 
 /// All that was done.

@@ -1,16 +1,15 @@
 //! What registration says, to a person and to a script.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::outputs::Outputs;
 use super::{Done, agreeing};
 use crate::report::Report;
 
 /// The verb's report.
-pub fn report(done: &Done, alone: &[PathBuf], outputs: &Outputs) -> Report {
+pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
     let mut text = format!(
         "{}: {} pairs of pictures\n\n",
         done.args.output.display(),
@@ -27,7 +26,6 @@ pub fn report(done: &Done, alone: &[PathBuf], outputs: &Outputs) -> Report {
     for file in alone {
         let _ = writeln!(text, "no partner for {}", file.display());
     }
-    let written = outputs.written(done.appearance);
     let names: Vec<String> = written
         .iter()
         .map(|path| path.display().to_string())
