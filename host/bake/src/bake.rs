@@ -186,6 +186,7 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
         rays: [rays(&rig.left), rays(&rig.right)],
         tone,
         meter_pairs,
+        overlay: None,
         metadata: String::new(),
     };
     builder.metadata = metadata(rig, options, coordinate_error_px);
