@@ -1,5 +1,5 @@
 //! The part of Tectum that runs on the fish: stitches two fisheye frames into one picture and
-//! answers where a pixel looks, from precomputed tables alone.
+//! answers where a pixel looks and what is where, from precomputed tables alone.
 //!
 //! [`Exposure`] follows how one eye's exposure drifts against the other's, where a caller wants it;
 //! [`Painter`] draws a table's scales over a row.
@@ -33,6 +33,7 @@ mod kernel;
 mod lookup;
 mod overlay;
 mod stitcher;
+mod target;
 mod tone;
 
 pub use direction::{BinaryAngle, Direction};
@@ -42,6 +43,7 @@ pub use frame::{Frame, FrameError};
 pub use lookup::Lookup;
 pub use overlay::Painter;
 pub use stitcher::{Sampler, StitchError, Stitcher};
+pub use target::{AngularSize, PixelBox, Target, TargetError, Targets, View};
 pub use tectum_tables::{Channel, Curve, Eye, Overlay, TableError, Tables};
 pub use tone::Tone;
 

@@ -12,7 +12,6 @@ mod pictures;
 mod pool;
 mod progress;
 mod report;
-mod scales;
 mod verbs;
 
 use std::process::ExitCode;
