@@ -1,7 +1,8 @@
 //! The part of Tectum that runs on the fish: stitches two fisheye frames into one picture and
-//! answers where a pixel looks, from precomputed tables alone.
+//! answers where a pixel looks and what is where, from precomputed tables alone.
 //!
-//! [`Exposure`] follows how one eye's exposure drifts against the other's, where a caller wants it.
+//! [`Exposure`] follows how one eye's exposure drifts against the other's, where a caller wants it;
+//! [`Painter`] draws a table's scales over a row.
 //!
 //! No allocator, no float per pixel, no panic path, no state beyond a few words on the stack.
 //! Every result is exactly specified in `tables/FORMAT.md`, so it is the same on every machine.
@@ -30,7 +31,9 @@ mod format;
 mod frame;
 mod kernel;
 mod lookup;
+mod overlay;
 mod stitcher;
+mod target;
 mod tone;
 
 pub use direction::{BinaryAngle, Direction};
@@ -38,8 +41,10 @@ pub use exposure::{Exposure, Gains, Meter};
 pub use format::{Gray8, PixelFormat, Rgb8, Rgb565, Yuyv};
 pub use frame::{Frame, FrameError};
 pub use lookup::Lookup;
+pub use overlay::Painter;
 pub use stitcher::{Sampler, StitchError, Stitcher};
-pub use tectum_tables::{Channel, Curve, Eye, TableError, Tables};
+pub use target::{AngularSize, PixelBox, Target, TargetError, Targets, View};
+pub use tectum_tables::{Channel, Curve, Eye, Overlay, TableError, Tables};
 pub use tone::Tone;
 
 /// Compiles the README's example.

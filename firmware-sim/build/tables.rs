@@ -40,6 +40,7 @@ fn table(like: &Tables, run: RunData) -> Result<Vec<u8>, Box<dyn Error>> {
         rays: [None, None],
         tone: Default::default(),
         meter_pairs: Vec::new(),
+        overlay: None,
         metadata: String::new(),
     };
     let bytes = builder.to_bytes()?;

@@ -1,5 +1,7 @@
 //! Writes tables. For the host: needs an allocator.
 
+mod overlay;
+
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -15,10 +17,23 @@ use crate::layout::{
 use crate::view::checksum;
 use crate::{Channel, Curve, Eye, ProjectionKind};
 
+pub use overlay::{BandData, OverlayData, OverlayTooLong};
+
 /// Minor version of a table without any section that came later.
 const VERSION_MINOR: u16 = 0;
 /// Minor version that brought tone curves and metering pairs.
 const VERSION_MINOR_TONE: u16 = 1;
+/// Minor version that brought the overlay.
+const VERSION_MINOR_OVERLAY: u16 = 2;
+
+/// The minor version that a table with this section has at least.
+fn minor_of(tag: Tag) -> u16 {
+    match tag {
+        Tag::TONE | Tag::METER_PAIRS => VERSION_MINOR_TONE,
+        Tag::OVERLAY => VERSION_MINOR_OVERLAY,
+        _ => VERSION_MINOR,
+    }
+}
 
 /// The mesh of one eye, owned. Fields as in [`crate::Mesh`].
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -151,6 +166,8 @@ pub struct TableBuilder {
     pub tone: [ToneData; 2],
     /// Pixels of both frames that see the same. No section is written if there is none.
     pub meter_pairs: Vec<MeterPair>,
+    /// Bytes of the overlay's section, as [`OverlayData::to_bytes`] gives them.
+    pub overlay: Option<Vec<u8>>,
     /// Free text; nothing is written if empty.
     pub metadata: String,
 }
@@ -193,6 +210,7 @@ impl TableBuilder {
         if !self.meter_pairs.is_empty() {
             sections.push((Tag::METER_PAIRS, self.meter_pairs.as_bytes().to_vec()));
         }
+        sections.extend(self.overlay.clone().map(|bytes| (Tag::OVERLAY, bytes)));
         if !self.metadata.is_empty() {
             sections.push((Tag::METADATA, self.metadata.as_bytes().to_vec()));
         }
@@ -200,12 +218,8 @@ impl TableBuilder {
     }
 
     fn assemble(&self, sections: &[(Tag, Vec<u8>)]) -> Vec<u8> {
-        let later = |(tag, _): &(Tag, _)| matches!(*tag, Tag::TONE | Tag::METER_PAIRS);
-        let version_minor = if sections.iter().any(later) {
-            VERSION_MINOR_TONE
-        } else {
-            VERSION_MINOR
-        };
+        let minors = sections.iter().map(|(tag, _)| minor_of(*tag));
+        let version_minor = minors.max().unwrap_or(VERSION_MINOR);
         let header_length = size_of::<Header>() + sections.len() * size_of::<SectionEntry>();
         let mut directory = Vec::new();
         let mut body = Vec::new();
@@ -240,7 +254,7 @@ impl TableBuilder {
 }
 
 /// `table` with one more section behind the others, sealed; it may have any tag and bytes.
-/// For tests and tools; the minor version stays. Does nothing to a string too short for its own
+/// The minor version becomes the section's, if that is greater. Does nothing to a string too short for its own
 /// directory.
 pub fn with_section(table: &[u8], tag: Tag, section: &[u8]) -> Vec<u8> {
     const ENTRY: usize = size_of::<SectionEntry>();
@@ -270,6 +284,7 @@ pub fn with_section(table: &[u8], tag: Tag, section: &[u8]) -> Vec<u8> {
     let length = size_of::<Header>() + ENTRY * entries.len() + body.len();
     header.file_length = U32::new(length as u32);
     header.section_count = U16::new(entries.len() as u16);
+    header.version_minor = U16::new(header.version_minor.get().max(minor_of(tag)));
     let mut bytes = [header.as_bytes(), entries.as_bytes(), &body].concat();
     seal(&mut bytes);
     bytes

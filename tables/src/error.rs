@@ -25,6 +25,8 @@ impl Tag {
     pub const TONE: Tag = Tag(*b"TONE");
     /// Pixels of both eyes that see the same.
     pub const METER_PAIRS: Tag = Tag(*b"pair");
+    /// Lines and labels to draw over the output.
+    pub const OVERLAY: Tag = Tag(*b"over");
     /// Free text about the table (UTF-8).
     pub const METADATA: Tag = Tag(*b"meta");
 

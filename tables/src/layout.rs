@@ -151,3 +151,121 @@ impl MeterPair {
         }
     }
 }
+
+#[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug)]
+#[repr(C)]
+pub struct OverlayHeader {
+    pub line_px: u8,
+    pub light: u8,
+    pub dark: u8,
+    pub glyph_width_px: u8,
+    pub glyph_height_px: u8,
+    pub glyphs: u8,
+    pub lines: U16,
+    pub placements: U16,
+    pub reserved: U16,
+}
+
+#[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned, Clone, Copy, Debug)]
+#[repr(C)]
+pub struct OverlayBand {
+    pub first_line: U16,
+    pub lines: U16,
+    pub first_placement: U16,
+    pub placements: U16,
+}
+
+/// A straight piece of a line inside a band of the overlay. Positions are in 1/8 px, a pixel
+/// reaching from its number to the next; rows count from the band's top.
+#[derive(
+    FromBytes,
+    IntoBytes,
+    KnownLayout,
+    Immutable,
+    Unaligned,
+    Clone,
+    Copy,
+    Debug,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+)]
+#[repr(C)]
+pub struct OverlayLine {
+    x: [U16; 2],
+    y: [u8; 2],
+}
+
+impl OverlayLine {
+    /// A piece from `(x[0], y[0])` to `(x[1], y[1])`, 1/8 px; `y` rises.
+    pub const fn new(x: [u16; 2], y: [u8; 2]) -> Self {
+        Self {
+            x: [U16::new(x[0]), U16::new(x[1])],
+            y,
+        }
+    }
+
+    /// Columns of both ends, 1/8 px.
+    #[inline]
+    pub fn x_units(&self) -> [i32; 2] {
+        self.x.map(|x| i32::from(x.get()))
+    }
+
+    /// Rows of both ends below the band's top, 1/8 px; the first is not greater.
+    #[inline]
+    pub fn y_units(&self) -> [i32; 2] {
+        self.y.map(i32::from)
+    }
+}
+
+/// A glyph at a place of a band.
+#[derive(
+    FromBytes,
+    IntoBytes,
+    KnownLayout,
+    Immutable,
+    Unaligned,
+    Clone,
+    Copy,
+    Debug,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+)]
+#[repr(C)]
+pub struct Placement {
+    pub(crate) x_px: U16,
+    pub(crate) y_px: i8,
+    pub(crate) glyph: u8,
+}
+
+impl Placement {
+    /// Glyph number `glyph` with its left column at `x_px` and its top row `y_px` below the band's.
+    pub const fn new(x_px: u16, y_px: i8, glyph: u8) -> Self {
+        Self {
+            x_px: U16::new(x_px),
+            y_px,
+            glyph,
+        }
+    }
+
+    /// Left column, px.
+    #[inline]
+    pub fn x_px(&self) -> u16 {
+        self.x_px.get()
+    }
+
+    /// Top row below the band's, px; negative in a band that the glyph reaches into from above.
+    #[inline]
+    pub fn y_px(&self) -> i32 {
+        self.y_px.into()
+    }
+
+    /// Number of the glyph.
+    #[inline]
+    pub fn glyph(&self) -> u8 {
+        self.glyph
+    }
+}

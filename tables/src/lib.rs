@@ -3,8 +3,8 @@
 //! A table is one little-endian file that a stitcher uses in place, straight from flash:
 //! for each eye a coarse [`Mesh`] of source positions, for each output row a list of [`Run`]s
 //! that says which eye owns which pixels, and the geometry that gives every pixel a direction.
-//! It may hold tone curves ([`Tables::curve`]) and where both eyes see the same
-//! ([`Tables::meter_pairs`]).
+//! It may hold tone curves ([`Tables::curve`]), where both eyes see the same
+//! ([`Tables::meter_pairs`]), and lines and labels to draw over the picture ([`Tables::overlay`]).
 //! `FORMAT.md` beside this crate specifies every byte and every rounding.
 //!
 //! [`Tables::parse`] checks the whole file once, including every source pixel that a stitcher
@@ -28,6 +28,7 @@ mod in_order;
 mod layout;
 mod mesh;
 mod output_map;
+mod overlay;
 mod runs;
 mod tone;
 mod view;
@@ -37,9 +38,10 @@ pub use error::{TableError, Tag};
 pub use eye_rays::EyeRays;
 #[doc(hidden)]
 pub use in_order::in_order;
-pub use layout::{Eye, MeterPair, Vertex};
+pub use layout::{Eye, MeterPair, OverlayLine, Placement, Vertex};
 pub use mesh::{Mesh, Segments};
 pub use output_map::{OutputMap, ProjectionKind};
+pub use overlay::{BAND_ROWS, LINE_UNITS, Overlay};
 pub use runs::{RAMP_FULL, Ramp, RowRuns, Run, RunKind, Runs};
 pub use tone::{Channel, Curve};
 pub use view::{MAX_OUTPUT_PX, MAX_SOURCE_PX, Tables};

@@ -10,6 +10,7 @@ use crate::layout::{
 };
 use crate::mesh::Mesh;
 use crate::output_map::OutputMap;
+use crate::overlay::Overlay;
 use crate::runs::{Run, RunKind, Runs};
 use crate::tone::{Channel, Curve, ToneCurves, meter_pairs};
 
@@ -44,6 +45,7 @@ pub struct Tables<'a> {
     output_map: OutputMap<'a>,
     tone: ToneCurves<'a>,
     meter_pairs: &'a [MeterPair],
+    overlay: Option<Overlay<'a>>,
     metadata: &'a str,
 }
 
@@ -94,11 +96,16 @@ impl<'a> Tables<'a> {
                 .tone
                 .map_or(Ok(ToneCurves::default()), ToneCurves::parse)?,
             meter_pairs: &[],
+            overlay: None,
             metadata: core::str::from_utf8(sections.metadata.unwrap_or(&[]))
                 .map_err(|_| TableError::Field { tag: Tag::METADATA })?,
         };
         if let Some(pairs) = sections.meter_pairs {
             tables.meter_pairs = meter_pairs(pairs, &tables.mesh)?;
+        }
+        if let Some(overlay) = sections.overlay {
+            let size_px = [tables.output_width_px(), tables.output_height_px()];
+            tables.overlay = Some(Overlay::parse(overlay, size_px)?);
         }
         (0..tables.output_height_px()).try_for_each(|row| tables.prove_row(row))?;
         Ok(tables)
@@ -207,6 +214,11 @@ impl<'a> Tables<'a> {
         self.meter_pairs
     }
 
+    /// Lines and labels to draw over the output, if the table carries them.
+    pub fn overlay(&self) -> Option<&Overlay<'a>> {
+        self.overlay.as_ref()
+    }
+
     /// Identity of the rig that made the table.
     pub fn rig_fingerprint(&self) -> [u8; 8] {
         self.header.rig_fingerprint
@@ -264,6 +276,7 @@ struct Sections<'a> {
     output_map: Option<&'a [u8]>,
     tone: Option<&'a [u8]>,
     meter_pairs: Option<&'a [u8]>,
+    overlay: Option<&'a [u8]>,
     metadata: Option<&'a [u8]>,
 }
 
@@ -294,6 +307,7 @@ impl<'a> Sections<'a> {
                 Tag::OUTPUT_MAP => &mut sections.output_map,
                 Tag::TONE => &mut sections.tone,
                 Tag::METER_PAIRS => &mut sections.meter_pairs,
+                Tag::OVERLAY => &mut sections.overlay,
                 Tag::METADATA => &mut sections.metadata,
                 _ if tag.is_critical() => return Err(TableError::Unknown { tag }),
                 _ => continue,

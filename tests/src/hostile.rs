@@ -1,12 +1,12 @@
 //! Runs tables that nobody vouches for. Needs the core alone: the fuzz target builds this file, too.
 
 use tectum_core::{
-    Exposure, Eye, Frame, Gray8, Lookup, Meter, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher,
-    TableError, Tables, Tone, Yuyv,
+    AngularSize, Exposure, Eye, Frame, Gray8, Lookup, Meter, Painter, PixelBox, PixelFormat, Rgb8,
+    Rgb565, Sampler, Stitcher, TableError, Tables, Targets, Tone, View, Yuyv,
 };
 
 /// Parses `bytes`; a table that parses is run in every format and sampler over frames of exactly
-/// the size it states, and asked for directions. Nothing of that may panic. Tables with an output
+/// the size it states, drawn over, and asked for directions and targets. Nothing of that may panic. Tables with an output
 /// or a source over a million pixels are only parsed.
 ///
 /// # Errors
@@ -33,9 +33,35 @@ pub fn parse_and_run(bytes: &[u8]) -> Result<(), TableError> {
         let _ = lookup.pixel_of_direction(direction);
         for eye in Eye::BOTH {
             let _ = lookup.direction_of_eye_pixel(eye, pixel);
+            let _ = lookup.eye_pixel_of_direction(eye, direction);
         }
     }
+    targets(&tables);
     Ok(())
+}
+
+/// Boxes as they come and as they should not.
+fn targets(tables: &Tables<'_>) {
+    let mut targets = Targets::<8>::new(tables);
+    for [x, y, width, height] in [
+        [0, 0, 1, 1],
+        [3, 2, 5, 4],
+        [0, 0, 0, 7],
+        [u16::MAX; 4],
+        [0, 0, u16::MAX, u16::MAX],
+    ] {
+        let pixels = PixelBox {
+            x,
+            y,
+            width,
+            height,
+        };
+        for view in [View::Eye(Eye::Left), View::Eye(Eye::Right), View::Stitched] {
+            let _ = targets.add(view, pixels);
+        }
+    }
+    let _ = targets.merged(AngularSize(1000));
+    let _ = Targets::<8>::parallax(tables, 0.0);
 }
 
 fn pixels([width, height]: [u16; 2]) -> usize {
@@ -63,6 +89,7 @@ fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
     }
     exposure.update(&meter);
     let tone = Tone::new(tables, exposure.gains());
+    let painter = tables.overlay().map(Painter::<F>::new);
     for sampler in [Sampler::Nearest, Sampler::Bilinear] {
         let Ok(stitcher) = Stitcher::new(tables, sampler) else {
             return;
@@ -73,6 +100,7 @@ fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
             let stitcher = stitcher.with_tone(&tone);
             let _ = stitcher.left_row(&left, y, &mut row);
             let _ = stitcher.right_row(&right, y, &mut row);
+            let _ = painter.map(|painter| painter.row(y, &mut row));
         }
     }
 }

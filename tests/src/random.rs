@@ -2,8 +2,10 @@
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tectum_tables::builder::{MeshData, OutputMapData, RunData, TableBuilder, ToneData};
-use tectum_tables::{MeterPair, ProjectionKind};
+use tectum_tables::builder::{
+    MeshData, OutputMapData, OverlayData, RunData, TableBuilder, ToneData,
+};
+use tectum_tables::{BAND_ROWS, LINE_UNITS, MeterPair, OverlayLine, Placement, ProjectionKind};
 
 /// The generator behind case `seed`, the same on every machine.
 pub fn rng(seed: u64) -> ChaCha8Rng {
@@ -18,8 +20,8 @@ pub fn frame(rng: &mut ChaCha8Rng, bytes: usize) -> Vec<u8> {
 }
 
 /// A random table of an output up to `max_px`: any step and fraction, meshes as wild as the
-/// source allows or pressed against a border, runs down to one pixel, rows of nothing, tone curves
-/// and metering pairs or none.
+/// source allows or pressed against a border, runs down to one pixel, rows of nothing, tone curves,
+/// metering pairs and an overlay or none.
 pub fn table(rng: &mut ChaCha8Rng, max_px: [u16; 2]) -> TableBuilder {
     let size = max_px.map(|side| rng.random_range(1..=side));
     let source = [0, 0].map(|_| rng.random_range(1..=20u16) * 2);
@@ -37,6 +39,7 @@ pub fn table(rng: &mut ChaCha8Rng, max_px: [u16; 2]) -> TableBuilder {
         rays: [None, None],
         tone: [tone(rng), tone(rng)],
         meter_pairs: pairs(rng, source),
+        overlay: rng.random_bool(0.5).then(|| overlay(rng, size)),
         metadata: String::new(),
     }
 }
@@ -57,6 +60,44 @@ fn pairs(rng: &mut ChaCha8Rng, source: [u16; 2]) -> Vec<MeterPair> {
     (0..count)
         .map(|_| MeterPair::new(pixel(rng), pixel(rng)))
         .collect()
+}
+
+/// Pieces of lines of any slope and glyphs of any size, as many as fit.
+fn overlay(rng: &mut ChaCha8Rng, [width, height]: [u16; 2]) -> Vec<u8> {
+    let glyph_size_px = [width, height].map(|side| rng.random_range(0..=side.min(16)) as u8);
+    let glyphs = (0..rng.random_range(1..3u8))
+        .map(|_| (0..glyph_size_px[1]).map(|_| rng.random()).collect())
+        .collect::<Vec<Vec<u16>>>();
+    let dark = rng.random_range(0..255);
+    let bands = (0..height.div_ceil(BAND_ROWS)).map(|band| {
+        let lines = (0..rng.random_range(0..5)).map(|_| {
+            let mut y = [0, 0].map(|_| rng.random_range(0..=BAND_ROWS as u8 * LINE_UNITS as u8));
+            y.sort_unstable();
+            // Steep, short, long and beyond the right border.
+            let start = rng.random_range(0..=width * LINE_UNITS as u16);
+            let end = start.saturating_add_signed(rng.random_range(-300..300));
+            OverlayLine::new([start, end], y)
+        });
+        let lines = lines.collect();
+        let top = i32::from(band * BAND_ROWS);
+        let lowest = i32::from(height) - i32::from(glyph_size_px[1]) - top;
+        let placements = (0..rng.random_range(0..3)).map(|_| {
+            let x = rng.random_range(0..=width - u16::from(glyph_size_px[0]));
+            let y = rng.random_range((-20).max(-top).min(lowest)..=lowest.min(18));
+            Placement::new(x, y as i8, rng.random_range(0..glyphs.len()) as u8)
+        });
+        (lines, placements.collect())
+    });
+    let bands = bands.collect();
+    let data = OverlayData {
+        line_px: rng.random_range(1..=4),
+        dark,
+        light: rng.random_range(dark + 1..=255),
+        glyph_size_px,
+        bands,
+        glyphs,
+    };
+    data.to_bytes().expect("few lines")
 }
 
 fn mesh(rng: &mut ChaCha8Rng, size: [u16; 2], source: [u16; 2]) -> MeshData {

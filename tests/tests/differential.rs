@@ -1,7 +1,7 @@
 //! The core against the quantised reference: every byte, over every way to run.
 
-use tectum_bake::reference::{position_q8, quantised};
-use tectum_bake::{Format, Pair, Pass, stitch};
+use tectum_bake::reference::{overlay, position_q8, quantised};
+use tectum_bake::{Format, Pair, Pass, draw_overlay, stitch};
 use tectum_core::{Eye, Sampler, Tables};
 use tectum_tests::{frame, rng, table};
 
@@ -32,6 +32,12 @@ fn core_equals_reference(seed: u64, max_px: [u16; 2], formats: &[Format]) {
                     core == expected,
                     "seed {seed}, {format:?}, {sampler:?}, {pass:?}"
                 );
+            }
+            if let Some(overlay) = tables.overlay() {
+                let drawn = overlay::draw(overlay, *format, &expected);
+                let mut core = expected;
+                draw_overlay(overlay, *format, &mut core).expect("its size");
+                assert!(core == drawn, "seed {seed}, {format:?}: the overlay");
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use tectum_tables::{Channel, Ramp, Segments};
 
-use super::{Kernel, PixelFormat};
+use super::{Kernel, PixelFormat, limited};
 use crate::kernel::{Position, Source, bilinear, blend, walk};
 use crate::tone::Curves;
 
@@ -50,6 +50,13 @@ impl Kernel for Gray8 {
         let [curve, ..] = curves;
         for value in row.get_mut(start..start + len).unwrap_or_default() {
             *value = curve[usize::from(*value)];
+        }
+    }
+
+    #[inline]
+    fn limit(row: &mut [u8], start: usize, len: usize, limits: [u8; 2]) {
+        for value in row.get_mut(start..start + len).unwrap_or_default() {
+            *value = limited(*value, limits);
         }
     }
 

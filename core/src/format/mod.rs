@@ -51,7 +51,18 @@ pub trait Kernel {
     #[allow(private_bounds, private_interfaces)]
     fn tone(row: &mut [u8], start: usize, len: usize, curves: &Curves<'_>);
 
+    /// Raises `len` pixels of `row` from column `start` to at least `low` and lowers them to at most
+    /// `high`: luma, or each of red, green and blue.
+    #[doc(hidden)]
+    fn limit(row: &mut [u8], start: usize, len: usize, limits: [u8; 2]);
+
     /// The 8-bit value of [`PixelFormat::METERED`] in the pixel that `bytes` start with.
     #[doc(hidden)]
     fn metered(bytes: &[u8]) -> Option<u8>;
+}
+
+/// A value within `[low, high]`.
+#[inline(always)]
+fn limited<T: Ord>(value: T, [low, high]: [T; 2]) -> T {
+    value.max(low).min(high)
 }

@@ -2,7 +2,7 @@
 
 use tectum_tables::{Channel, Curve, Ramp, Segments};
 
-use super::{Kernel, PixelFormat};
+use super::{Kernel, PixelFormat, limited};
 use crate::kernel::{Position, Source, Spot, bilinear, blend, walk};
 use crate::tone::Curves;
 
@@ -102,6 +102,18 @@ impl Kernel for Rgb565 {
                 toned::<6>(g, green),
                 toned::<5>(b, blue),
             ]);
+        }
+    }
+
+    #[inline]
+    fn limit(row: &mut [u8], start: usize, len: usize, limits: [u8; 2]) {
+        let [five, six] = [3, 2].map(|less| limits.map(|limit| u32::from(limit) >> less));
+        let words = row
+            .get_mut(2 * start..2 * (start + len))
+            .unwrap_or_default();
+        for word in words.as_chunks_mut().0 {
+            let [r, g, b] = channels(u32::from(u16::from_le_bytes(*word)));
+            *word = pack([limited(r, five), limited(g, six), limited(b, five)]);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use tectum_tables::{Channel, Ramp, Segments};
 
-use super::{Kernel, PixelFormat};
+use super::{Kernel, PixelFormat, limited};
 use crate::kernel::{Position, Source, bilinear, blend, walk};
 use crate::tone::Curves;
 
@@ -68,6 +68,14 @@ impl Kernel for Rgb8 {
             for (value, curve) in pixel.iter_mut().zip(curves) {
                 *value = curve[usize::from(*value)];
             }
+        }
+    }
+
+    #[inline]
+    fn limit(row: &mut [u8], start: usize, len: usize, limits: [u8; 2]) {
+        let values = row.get_mut(3 * start..3 * (start + len));
+        for value in values.unwrap_or_default() {
+            *value = limited(*value, limits);
         }
     }
 

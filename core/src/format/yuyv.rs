@@ -2,7 +2,7 @@
 
 use tectum_tables::{Channel, Curve, Ramp, Segment, Segments};
 
-use super::{Kernel, PixelFormat};
+use super::{Kernel, PixelFormat, limited};
 use crate::kernel::{Position, Source, bilinear, blend};
 use crate::tone::Curves;
 
@@ -160,6 +160,14 @@ impl Kernel for Yuyv {
                 tone(y1, luma);
             }
         });
+    }
+
+    #[inline]
+    fn limit(row: &mut [u8], start: usize, len: usize, limits: [u8; 2]) {
+        let pixels = row.get_mut(2 * start..2 * (start + len));
+        for [luma, _chroma] in pixels.unwrap_or_default().as_chunks_mut().0 {
+            *luma = limited(*luma, limits);
+        }
     }
 
     #[inline]

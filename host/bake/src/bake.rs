@@ -10,6 +10,7 @@ use crate::mesh::{FittedMesh, Targets, fit};
 use crate::metering::meter_pairs;
 use crate::output_map::{from_table, to_table};
 use crate::rays::eye_rays;
+use crate::scales::ScalesReport;
 use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE, left_weight, row_runs};
 use crate::sights::Sights;
 use crate::tone::{ToneError, tone};
@@ -49,6 +50,9 @@ pub struct Report {
     /// What luma and chroma curves lose against the rig's curves, if it has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tone_error: Option<ToneError>,
+    /// Scales, if the table has them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scales: Option<ScalesReport>,
     /// Share of output pixels by owner.
     pub pixels: Owners,
     /// Bytes of a source frame in 8-bit luma, left and right.
@@ -70,6 +74,8 @@ pub struct Bytes {
     pub tone: usize,
     /// Metering pairs.
     pub meter: usize,
+    /// Lines and labels.
+    pub overlay: usize,
     /// Header, directory, directions and metadata.
     pub other: usize,
 }
@@ -186,6 +192,7 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
         rays: [rays(&rig.left), rays(&rig.right)],
         tone,
         meter_pairs,
+        overlay: None,
         metadata: String::new(),
     };
     builder.metadata = metadata(rig, options, coordinate_error_px);
@@ -353,11 +360,13 @@ fn report(tables: &Tables<'_>, builder: &TableBuilder, error: ErrorSummary) -> R
             runs,
             tone,
             meter,
+            overlay: 0,
             other: total - mesh_left - mesh_right - runs - tone - meter,
         },
         step: meshes.map(|m| m.map(|m| 1 << m.step_log2)),
         coordinate_error_px: error,
         tone_error: None,
+        scales: None,
         pixels,
         source_bytes_gray8: meshes.map(|m| {
             m.map_or(0, |m| {

@@ -1,7 +1,9 @@
 //! The pixel formats of the core as a value, for tools that choose one at run time.
 
 use serde::{Deserialize, Serialize};
-use tectum_core::{Eye, Frame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher, Tables, Yuyv};
+use tectum_core::{
+    Eye, Frame, Gray8, Overlay, Painter, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher, Tables, Yuyv,
+};
 
 use crate::StitchFailure;
 use crate::parallel::stitch_bands;
@@ -104,6 +106,40 @@ pub fn stitch_parallel(
         Format::Yuyv => stitch_parallel_as::<Yuyv>(tables, sampler, pair),
         Format::Rgb8 => stitch_parallel_as::<Rgb8>(tables, sampler, pair),
     }
+}
+
+/// Draws an overlay over a picture of its size, rows tightly packed, with the core.
+///
+/// # Errors
+/// [`StitchFailure`] if the picture has another size.
+pub fn draw_overlay(
+    overlay: &Overlay<'_>,
+    format: Format,
+    picture: &mut [u8],
+) -> Result<(), StitchFailure> {
+    match format {
+        Format::Gray8 => draw_overlay_as::<Gray8>(overlay, picture),
+        Format::Rgb565 => draw_overlay_as::<Rgb565>(overlay, picture),
+        Format::Yuyv => draw_overlay_as::<Yuyv>(overlay, picture),
+        Format::Rgb8 => draw_overlay_as::<Rgb8>(overlay, picture),
+    }
+}
+
+fn draw_overlay_as<F: PixelFormat>(
+    overlay: &Overlay<'_>,
+    picture: &mut [u8],
+) -> Result<(), StitchFailure> {
+    let painter = Painter::<F>::new(overlay);
+    let [width, height] = overlay.size_px().map(usize::from);
+    let row_bytes = width * F::BYTES_PER_PIXEL;
+    if picture.len() != row_bytes * height {
+        let expected = row_bytes;
+        return Err(tectum_core::StitchError::OutputLength { expected }.into());
+    }
+    for (y, row) in (0..).zip(picture.chunks_exact_mut(row_bytes)) {
+        painter.row(y, row)?;
+    }
+    Ok(())
 }
 
 fn stitch_as<F: PixelFormat>(

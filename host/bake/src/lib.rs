@@ -13,15 +13,17 @@ mod output_map;
 mod parallel;
 mod rays;
 pub mod reference;
+mod scales;
 pub mod seam;
 mod sights;
 mod tone;
 mod verify;
 
 pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
-pub use format::{Format, Pair, Pass, stitch, stitch_parallel};
+pub use format::{Format, Pair, Pass, draw_overlay, stitch, stitch_parallel};
 pub use output_map::output_map;
 pub use parallel::stitch_bands;
+pub use scales::{Scales, ScalesError, ScalesReport};
 pub use sights::{Sight, Sights};
 pub use tone::ToneError;
 pub use verify::{FormatResult, PixelError, Verification, VerifyError, verify};

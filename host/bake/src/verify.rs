@@ -9,8 +9,8 @@ use tectum_tables::RunKind;
 use crate::bake::ErrorSummary;
 use crate::convert::from_rgb8;
 use crate::output_map::output_map;
-use crate::reference::{position_q8, quantised};
-use crate::{Format, Pair, Pass, StitchFailure, stitch};
+use crate::reference::{overlay, position_q8, quantised};
+use crate::{Format, Pair, Pass, StitchFailure, draw_overlay, stitch};
 
 /// What was compared and what came out.
 #[derive(Debug, Clone, Serialize)]
@@ -143,10 +143,22 @@ fn compare(
             let expected =
                 expected.get_or_insert_with(|| quantised::stitch(tables, format, sampler, pair));
             result.bytes_compared += core.len();
-            result.mismatches += core.iter().zip(expected).filter(|(a, b)| *a != *b).count();
+            result.mismatches += differing(&core, expected);
+        }
+        // The same picture with the table's scales, if it has any.
+        if let (Some(overlay), Some(plain)) = (tables.overlay(), expected) {
+            let expected = overlay::draw(overlay, format, &plain);
+            let mut core = plain;
+            draw_overlay(overlay, format, &mut core)?;
+            result.bytes_compared += core.len();
+            result.mismatches += differing(&core, &expected);
         }
     }
     Ok(result)
+}
+
+fn differing(a: &[u8], b: &[u8]) -> usize {
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
 }
 
 /// Source positions straight from the rig.

@@ -13,7 +13,6 @@ mod pool;
 mod progress;
 mod report;
 mod rig_files;
-mod scales;
 mod shown;
 mod verbs;
 

@@ -3,6 +3,7 @@
 //! [`quantised`] does in f64, straight from the definitions in `tables/FORMAT.md`, what the core
 //! does in integers with tricks; the two must agree in every byte.
 
+pub mod overlay;
 mod planes;
 mod position;
 pub mod quantised;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use serde_json::{Value, json};
-use tectum_bake::{BakeOptions, Baked, Format, bake};
+use tectum_bake::{BakeOptions, Baked, Format, ScalesReport, bake};
 use tectum_optics::Rig;
 
 use crate::args::OutputArgs;
@@ -21,6 +21,7 @@ const BYTES_PER_PIXEL: usize = 135;
 #[command(after_help = "EXAMPLES:\n  \
     tectum bake rig.toml -o fish.tct\n  \
     tectum bake rig.toml -o gimbal.tct --projection perspective --yaw 30 --pitch -10 --fov 70\n  \
+    tectum bake rig.toml -o scaled.tct --scales=15           lines every 15 degrees, drawn on the fish\n  \
     tectum bake rig.toml -o large.tct --size 1280x640 --max-error 0.035 --json")]
 pub struct Args {
     /// Rig file
@@ -36,6 +37,10 @@ pub struct Args {
     /// Width of the transition between the eyes, degrees
     #[arg(long, value_name = "DEG", default_value_t = 4.0)]
     feather: f64,
+    /// Lines of equal yaw and pitch with labels, this many degrees apart, for the core to draw
+    #[arg(long, value_name = "DEG", num_args = 0..=1, require_equals = true,
+        default_missing_value = "30")]
+    scales: Option<f64>,
 }
 
 /// Bakes and writes.
@@ -49,7 +54,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     check_memory(options.output.size_px)?;
     let progress = Progress::new(1);
     progress.step("baking");
-    let baked = bake(&rig, &options)?;
+    let mut baked = bake(&rig, &options)?;
+    if let Some(step_deg) = args.scales {
+        baked = baked.with_scales(step_deg)?;
+    }
     drop(progress);
     files::write(&args.output, &baked.bytes)?;
     let [width, height] = options.output.size_px;
@@ -84,9 +92,10 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
     let all = pixels.void + pixels.left + pixels.right + pixels.blend;
     let share = |n: usize| 100.0 * n as f64 / all as f64;
     let mut text = format!(
-        "flash   {} bytes: left mesh {}, right mesh {}, runs {}, tone {}, metering {}, other {}\n\
+        "flash   {} bytes: left mesh {}, right mesh {}, runs {}, tone {}, metering {}, \
+         scales {}, other {}\n\
          mesh    a vertex every {} px\n\
-         error   {} (source position against the camera model)\n{}\
+         error   {} (source position against the camera model)\n{}{}\
          pixels  left {:.1} %, right {:.1} %, blend {:.1} %, void {:.1} %\n\n\
          format   RAM: both frames   one frame, output   output row   M7 instructions a picture*\n",
         bytes.total,
@@ -95,6 +104,7 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
         bytes.runs,
         bytes.tone,
         bytes.meter,
+        bytes.overlay,
         bytes.other,
         step(report.step),
         max_rms(&report.coordinate_error_px, "px"),
@@ -102,6 +112,10 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
             "tone    Y {:.2}, U V {:.2} levels RMS off the curves for red, green, blue\n",
             error.luma_rms, error.chroma_rms
         )),
+        report
+            .scales
+            .as_ref()
+            .map_or_else(String::new, |scales| scales_in_words(scales) + "\n"),
         share(pixels.left),
         share(pixels.right),
         share(pixels.blend),
@@ -133,6 +147,18 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
     text
 }
 
+/// What scales hold, for a person.
+fn scales_in_words(scales: &ScalesReport) -> String {
+    let mut text = format!(
+        "scales  every {} degrees: {} lines, {} labels",
+        scales.step_deg, scales.lines, scales.labels
+    );
+    if !scales.left_out.is_empty() {
+        text += &format!("; no room for {}", scales.left_out.join(", "));
+    }
+    text
+}
+
 fn step([left, right]: [Option<u32>; 2]) -> Value {
     match (left, right) {
         (Some(left), Some(right)) if left != right => json!([left, right]),
@@ -152,6 +178,9 @@ fn cost_json(baked: &Baked, table: &Path) -> Value {
     });
     if let Some(error) = report.tone_error {
         json["tone_error_levels"] = json!(error);
+    }
+    if let Some(scales) = &report.scales {
+        json["scales"] = json!(scales);
     }
     json
 }

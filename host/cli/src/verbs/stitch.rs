@@ -8,14 +8,17 @@ use clap::ValueEnum;
 use image::{DynamicImage, GrayImage};
 use serde_json::json;
 use tectum_bake::convert::{from_rgb8, to_rgb8};
-use tectum_bake::{Format, Pair, Pass, output_map, stitch};
+use tectum_bake::{Format, Pair, Pass, Scales, draw_overlay, output_map, stitch};
 use tectum_core::Sampler;
 use tectum_optics::Rig;
 use tectum_stitch::registration::planar::{self, PlanarOptions};
 
 use crate::frames::Frames;
 use crate::report::Report;
-use crate::{files, paired, pictures, scales};
+use crate::{files, paired, pictures};
+
+/// From line to line of scales, degrees, where nothing else is said.
+const USUAL_STEP_DEG: f64 = 30.0;
 
 /// Pictures of both eyes to one, as the fish does it
 #[derive(clap::Args)]
@@ -40,9 +43,10 @@ pub struct Args {
     /// Picture to write (.png, .jpg, .ppm)
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
-    /// Draw lines of equal yaw and pitch every 30 degrees
-    #[arg(long)]
-    scales: bool,
+    /// Draw lines of equal yaw and pitch, as the core draws them: the table's own or, if it has none
+    /// or DEG is given, every DEG degrees (30)
+    #[arg(long, value_name = "DEG", num_args = 0..=1, require_equals = true)]
+    scales: Option<Option<f64>>,
     /// Pixel format that the core works in
     #[arg(long, value_enum, default_value_t = FormatName::Rgb8)]
     format: FormatName,
@@ -110,20 +114,28 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         right: &right,
     };
     let start = Instant::now();
-    let stitched = stitch(&tables, format, sampler, pass, pair)
+    let mut stitched = stitch(&tables, format, sampler, pass, pair)
         .with_context(|| args.table.display().to_string())?;
     let seconds = start.elapsed().as_secs_f64();
 
     let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
-    let picture = if format == Format::Gray8 && !args.scales {
+    match (args.scales, tables.overlay()) {
+        (None, _) => {}
+        (Some(None), Some(overlay)) => draw_overlay(overlay, format, &mut stitched)?,
+        (Some(step_deg), _) => {
+            let map = output_map(&tables);
+            Scales::new(&map, step_deg.unwrap_or(USUAL_STEP_DEG))?.draw(
+                &map,
+                format,
+                &mut stitched,
+            )?;
+        }
+    }
+    let picture = if format == Format::Gray8 {
         let gray = GrayImage::from_raw(width, height, stitched);
         DynamicImage::from(gray.context("a picture of the wrong length: a bug")?)
     } else {
-        let mut picture = pictures::rgb(width, height, to_rgb8(format, &stitched))?;
-        if args.scales {
-            scales::draw(&mut picture, &output_map(&tables));
-        }
-        DynamicImage::from(picture)
+        pictures::rgb(width, height, to_rgb8(format, &stitched))?.into()
     };
     pictures::save(&args.output, picture)?;
     Ok(Report::new(

@@ -198,6 +198,95 @@ fn lookup_goes_there_and_back() {
     assert!((number(&raw, "/pitch_deg") + 29.15).abs() < 1.0, "{raw}");
     assert_eq!(raw["eye"], "left");
     assert!(bench.done("lookup fish.tct --pixel 40,30").contains("yaw"));
+    // And back to the raw pixel; the other eye does not see there.
+    let ask = format!(
+        "lookup fish.tct --yaw {} --pitch {}",
+        number(&raw, "/yaw_deg"),
+        number(&raw, "/pitch_deg")
+    );
+    let again = bench.json(&ask);
+    // A binary angle at 65 px to a radian.
+    assert!((number(&again, "/left/x") - 119.5).abs() < 0.02, "{again}");
+    assert!((number(&again, "/left/y") - 119.5).abs() < 0.02, "{again}");
+    assert_eq!(again["right"], Value::Null);
+}
+
+#[test]
+fn lookup_makes_targets_of_boxes() {
+    let bench = Bench::with_table();
+    let ahead = bench.json("lookup fish.tct --yaw 0 --pitch -20");
+    // The same thing 20 px across in both eyes, and something on the left alone.
+    let around = |eye: &str| {
+        let [x, y] = ["x", "y"].map(|axis| number(&ahead, &format!("/{eye}/{axis}")) as u32 - 10);
+        format!("--box {eye}:{x},{y},20,20")
+    };
+    let boxes = format!(
+        "{} {} --box left:110,110,20,10",
+        around("left"),
+        around("right")
+    );
+    let json = bench.json(&format!("lookup fish.tct {boxes} --nearest 0.5"));
+    let targets = json["targets"].as_array().unwrap();
+    assert_eq!(targets.len(), 2, "{json}");
+    assert_eq!(targets[0]["seen_in"], serde_json::json!(["left", "right"]));
+    assert!(number(&targets[0], "/yaw_deg").abs() < 1.0, "{json}");
+    assert!(
+        (number(&targets[0], "/pitch_deg") + 20.0).abs() < 1.0,
+        "{json}"
+    );
+    // 20 and 10 px at 65 px to a radian on the axis.
+    assert!(
+        (number(&targets[1], "/width_deg") - 17.6).abs() < 0.3,
+        "{json}"
+    );
+    assert!(
+        (number(&targets[1], "/height_deg") - 8.8).abs() < 0.3,
+        "{json}"
+    );
+    assert!(
+        bench
+            .done(&format!("lookup fish.tct {boxes}"))
+            .contains("3 boxes, 2 targets")
+    );
+    for (code, ask, says) in [
+        (2, "--box left:1,2,3", "left:X,Y,W,H"),
+        (2, "--box up:1,2,3,4", "left:X,Y,W,H"),
+        (1, "--box left:0,0,5,5", "outside the field"),
+        (1, "--box left:110,110,5,5 --tolerance -1", "0 to 90"),
+        (
+            1,
+            "--box left:110,110,5,5 --nearest 3",
+            "at most the table's 2 m",
+        ),
+    ] {
+        let message = bench.refused(code, &format!("lookup fish.tct {ask}"));
+        assert!(message.contains(says), "{ask}: {message}");
+    }
+}
+
+#[test]
+fn scales_are_baked_shown_and_verified() {
+    let bench = Bench::with_pictures();
+    let plain = bench.json("bake rig.toml -o plain.tct --size 320x160 --max-error 0.4");
+    let scaled = bench.json("bake rig.toml -o s.tct --size 320x160 --max-error 0.4 --scales=45");
+    assert_eq!(number(&plain, "/bytes/overlay"), 0.0);
+    assert!(number(&scaled, "/bytes/overlay") > 500.0);
+    // Eight lines of yaw, three of pitch.
+    assert_eq!(number(&scaled, "/scales/lines"), 11.0);
+    assert!(number(&scaled, "/scales/labels") >= 11.0);
+    let verified = bench.json("verify s.tct --rig rig.toml");
+    assert_eq!(verified["mismatches"], 0);
+    let eyes = "--left left.png --right right.png";
+    bench.done(&format!("stitch s.tct {eyes} -o own.png --scales"));
+    bench.done(&format!("stitch plain.tct {eyes} -o given.png --scales=45"));
+    bench.done(&format!("stitch plain.tct {eyes} -o usual.png --scales"));
+    let [own, given, usual] =
+        ["own.png", "given.png", "usual.png"].map(|name| std::fs::read(bench.path(name)).unwrap());
+    assert!(own == given && own != usual);
+    let inside = bench.json("inspect s.tct");
+    assert_eq!(inside["overlay_bytes"], scaled["bytes"]["overlay"]);
+    let message = bench.refused(1, "bake rig.toml -o no.tct --size 160x80 --scales=120");
+    assert!(message.contains("between 0.5 and 90"), "{message}");
 }
 
 #[test]

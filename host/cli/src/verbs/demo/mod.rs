@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use image::RgbImage;
-use tectum_bake::{BakeOptions, Baked, Format, Pass, Verification, bake, stitch, verify};
+use tectum_bake::{BakeOptions, Baked, Format, Pass, Scales, Verification, bake, stitch, verify};
 use tectum_core::{Sampler, Tables};
 use tectum_optics::{OutputMap, Projection, Rig};
 use tectum_scene::{Rendered, Scene};
@@ -19,7 +19,7 @@ use crate::args::Size;
 use crate::frames::Frames;
 use crate::progress::Progress;
 use crate::report::Report;
-use crate::{files, pictures, pool, scales};
+use crate::{files, pictures, pool};
 
 /// The paper's fish with eyes of 480x480 px.
 const RIG: &str = include_str!("../../../../../tables/rigs/paper-fish.toml");
@@ -78,8 +78,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     folder.save_eyes(&eyes)?;
     folder.write("table.tct", &job.baked.bytes)?;
     let tables = Tables::parse(&job.baked.bytes)?;
-    let mut with_scales = job.stitched.clone();
-    scales::draw(&mut with_scales, &map);
+    let with_scales = with_scales(&job.stitched, &map)?;
     folder.save("stitched.png", &job.stitched)?;
     folder.save("stitched-scales.png", &with_scales)?;
 
@@ -180,14 +179,20 @@ fn large(scene: &Scene, folder: &mut Folder<'_>) -> anyhow::Result<Large> {
     let map = Projection::Equirect.output_map(LARGE_PX)?;
     let job = Job::new(&rig, &map, &pool::frames(&eyes), 0.035)?;
     folder.save("stitched-1280.png", &job.stitched)?;
-    let mut with_scales = job.stitched;
-    scales::draw(&mut with_scales, &map);
+    let with_scales = with_scales(&job.stitched, &map)?;
     folder.save("stitched-1280-scales.png", &with_scales)?;
     Ok(Large {
         output_px: LARGE_PX,
         table: job.baked.report,
         mismatches: job.verification.mismatches,
     })
+}
+
+/// The picture with lines every 30 degrees, as the core draws them.
+fn with_scales(picture: &RgbImage, map: &OutputMap) -> anyhow::Result<RgbImage> {
+    let mut picture = picture.clone();
+    Scales::new(map, 30.0)?.draw(map, Format::Rgb8, &mut picture)?;
+    Ok(picture)
 }
 
 /// The folder that the demo writes, and what is in it so far.

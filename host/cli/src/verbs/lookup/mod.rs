@@ -1,4 +1,7 @@
-//! `tectum lookup`: which direction a pixel shows, and which pixel shows a direction.
+//! `tectum lookup`: which direction a pixel shows, which pixels show a direction, and what boxes
+//! around things stand for.
+
+mod targets;
 
 use std::path::PathBuf;
 
@@ -8,22 +11,27 @@ use serde_json::json;
 use tectum_core::{BinaryAngle, Direction, Eye, Lookup, Tables};
 use tectum_tables::RunKind;
 
+use self::targets::BoxIn;
 use crate::args::{Position, degrees};
 use crate::files;
 use crate::report::Report;
 use crate::shown::run_at;
 
-/// Which direction a pixel shows, and which pixel shows a direction
+/// Which direction a pixel shows, which pixels show a direction, and targets from boxes
 #[derive(clap::Args)]
 #[command(
-    group(clap::ArgGroup::new("query").required(true).args(["pixel", "yaw"])),
+    group(clap::ArgGroup::new("query").required(true).args(["pixel", "yaw", "boxes"])),
     after_help = "EXAMPLES:\n  \
     tectum lookup fish.tct --pixel 320,160             of the stitched picture\n  \
     tectum lookup fish.tct --yaw 30 --pitch -10        30 degrees to the left, 10 up\n  \
-    tectum lookup fish.tct --eye left --pixel 240,240  of the raw picture of an eye\n\n\
-    Prints the place in the stitched picture (x, y), the direction in the body frame (yaw positive\n\
-    to the left, pitch negative up) and the eye that the stitched picture shows there: left, right,\n\
-    both, or none. What lies outside is null. All as the core computes it: 1/256 px, 0.0055 degrees."
+    tectum lookup fish.tct --eye left --pixel 240,240  of the raw picture of an eye\n  \
+    tectum lookup fish.tct --box left:300,180,40,30 --box right:150,185,42,30 --nearest 0.5\n\n\
+    Prints the place in the stitched picture (x, y) and in the raw pictures, the direction in the\n\
+    body frame (yaw positive to the left, pitch negative up) and the eye that the stitched picture\n\
+    shows there: left, right, both, or none. What lies outside is null. All as the core computes it:\n\
+    1/256 px, 0.0055 degrees.\n\n\
+    Boxes become targets with direction and size; one that both eyes see is reported once: boxes of\n\
+    different pictures are one if the middle of one lies in the other, grown by the tolerance."
 )]
 pub struct Args {
     /// Table
@@ -42,6 +50,15 @@ pub struct Args {
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true,
         requires = "yaw")]
     pitch: Option<f64>,
+    /// Box around something in a raw picture or the stitched one; up to 64 of them
+    #[arg(long = "box", value_name = "VIEW:X,Y,W,H")]
+    boxes: Vec<BoxIn>,
+    /// How far beside a box the middle of another one of the same thing may lie, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 1.0, requires = "boxes")]
+    tolerance: f64,
+    /// Nothing is nearer than this, m: the parallax that follows is added to the tolerance
+    #[arg(long, value_name = "M", requires = "boxes")]
+    nearest: Option<f64>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -56,6 +73,15 @@ enum EyeName {
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let bytes = files::read(&args.table)?;
     let tables = files::table(&bytes, &args.table)?;
+    if !args.boxes.is_empty() {
+        if !(0.0..=90.0).contains(&args.tolerance) {
+            bail!(
+                "--tolerance {} is not allowed: 0 to 90 degrees",
+                args.tolerance
+            );
+        }
+        return targets::run(&tables, &args.boxes, args.tolerance, args.nearest);
+    }
     let lookup = Lookup::new(&tables);
     let eye = args.eye.map(|eye| match eye {
         EyeName::Left => Eye::Left,
@@ -103,12 +129,25 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
          eye    {}",
         shown_by.unwrap_or("none")
     );
+    let raw = Eye::BOTH.map(|eye| {
+        let q8 = lookup.eye_pixel_of_direction(eye, direction)?;
+        Some(q8.map(|p| f64::from(p) / 256.0))
+    });
+    for (name, raw) in ["left", "right"].into_iter().zip(&raw) {
+        text += &match raw {
+            Some([x, y]) => format!("\n{name:<5}  {x:.2},{y:.2} of its raw picture"),
+            None => format!("\n{name:<5}  does not see it"),
+        };
+    }
+    let [left, right] = raw.map(|raw| raw.map(|[x, y]| json!({ "x": x, "y": y })));
     let json = json!({
         "x": place.map(|p| p[0]),
         "y": place.map(|p| p[1]),
         "yaw_deg": yaw_deg,
         "pitch_deg": pitch_deg,
         "eye": shown_by,
+        "left": left,
+        "right": right,
     });
     Ok(Report::new(text, json))
 }
