@@ -5,7 +5,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::source::{Frame, FrameSource, Next};
-use crate::{CaptureError, FrameFormat, Health};
+use crate::{CaptureError, FrameFormat, Health, monotonic_ns};
 
 /// Calls a function for each frame, in real time: whoever is slow misses frames, as with a camera.
 pub struct Generated<F> {
@@ -13,6 +13,7 @@ pub struct Generated<F> {
     format: FrameFormat,
     period: Duration,
     start: Instant,
+    start_ns: i64,
     next: u32,
     make: F,
     data: Vec<u8>,
@@ -43,6 +44,7 @@ impl<F: FnMut(u32, &mut Vec<u8>) + Send> Generated<F> {
             format,
             period: period.max(Duration::from_micros(1)),
             start,
+            start_ns: monotonic_ns() - start.elapsed().as_nanos() as i64,
             next: 0,
             make,
             data: Vec::new(),
@@ -64,6 +66,10 @@ impl<F: FnMut(u32, &mut Vec<u8>) + Send> FrameSource for Generated<F> {
         Some(self.period.as_nanos() as u64)
     }
 
+    fn is_live(&self) -> bool {
+        true
+    }
+
     fn next(&mut self) -> Result<Next<'_>, CaptureError> {
         let now = (self.start.elapsed().as_nanos() / self.period.as_nanos()) as u32;
         let sequence = self.next.max(now);
@@ -75,7 +81,7 @@ impl<F: FnMut(u32, &mut Vec<u8>) + Send> FrameSource for Generated<F> {
         Ok(Next::Frame(Frame {
             data: &self.data,
             format: self.format,
-            time_ns: (self.period * sequence).as_nanos() as i64,
+            time_ns: self.start_ns + (self.period * sequence).as_nanos() as i64,
             sequence,
             superseded: self.start + self.period * self.next <= Instant::now(),
         }))

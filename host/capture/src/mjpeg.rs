@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use image::ImageReader;
 
+use crate::health::missing;
 use crate::source::{Frame, FrameSource, Next};
 use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 
@@ -31,6 +32,7 @@ pub struct Mjpeg {
     format: FrameFormat,
     data: Vec<u8>,
     read: u32,
+    sequence: Option<u32>,
     health: Arc<Health>,
 }
 
@@ -63,6 +65,7 @@ impl Mjpeg {
             format: FrameFormat::packed(Layout::Mjpeg, size_px),
             data: Vec::new(),
             read: 0,
+            sequence: None,
             health: Arc::default(),
         })
     }
@@ -95,7 +98,8 @@ impl FrameSource for Mjpeg {
         let (time_ns, sequence) = comment(&self.data)
             .and_then(stamp::read)
             .unwrap_or((PERIOD_NS as i64 * i64::from(count), count));
-        self.health.frame(0);
+        self.health.frame(missing(self.sequence, sequence));
+        self.sequence = Some(sequence);
         Ok(Next::Frame(Frame {
             data: &self.data,
             format: self.format,

@@ -129,6 +129,11 @@ impl Pairs {
         left.period_ns().max(right.period_ns())
     }
 
+    /// Whether either source is live.
+    pub fn is_live(&self) -> bool {
+        self.sources.iter().any(|source| source.is_live())
+    }
+
     /// Counters of both sources; they go on being updated.
     pub fn health(&self) -> [Arc<Health>; 2] {
         [self.sources[0].health(), self.sources[1].health()]

@@ -11,7 +11,8 @@ pub struct Frame<'a> {
     pub data: &'a [u8],
     /// Format of `data`.
     pub format: FrameFormat,
-    /// When it was taken, ns on the source's clock. The clock may wrap round.
+    /// When it was taken, ns on the source's clock, which may wrap round; the system's monotonic
+    /// clock for live sources.
     pub time_ns: i64,
     /// Counts the frames that the source made, those that were lost included. May wrap round.
     pub sequence: u32,
@@ -41,6 +42,11 @@ pub trait FrameSource: Send {
     /// From one frame to the next, ns, as it should be; `None` where time plays no part.
     fn period_ns(&self) -> Option<u64> {
         None
+    }
+
+    /// Whether frames come when they come, needed or not.
+    fn is_live(&self) -> bool {
+        false
     }
 
     /// Waits for the next frame; returns within about two seconds whatever happens.

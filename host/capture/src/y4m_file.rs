@@ -1,12 +1,13 @@
 //! Raw video (YUV4MPEG2) as a source.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use y4m::{Colorspace, Decoder, Error};
 
+use crate::health::missing;
 use crate::source::{Frame, FrameSource, Next};
 use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 
@@ -16,11 +17,12 @@ use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 pub struct Y4m {
     path: PathBuf,
     name: String,
-    decoder: Decoder<BufReader<Box<dyn Read + Send>>>,
+    decoder: Decoder<BufReader<File>>,
     format: FrameFormat,
     period_ns: u64,
     data: Vec<u8>,
     read: u32,
+    sequence: Option<u32>,
     health: Arc<Health>,
 }
 
@@ -41,19 +43,11 @@ impl Y4m {
     /// [`CaptureError::NoDevice`] if it cannot be read.
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
         let file = File::open(path).map_err(|e| CaptureError::io(path, e))?;
-        Self::read(path, Box::new(file))
-    }
-
-    /// Reads from anything; `path` is what to call it.
-    ///
-    /// # Errors
-    /// As [`Y4m::open`].
-    pub fn read(path: &Path, from: Box<dyn Read + Send>) -> Result<Self, CaptureError> {
         let refuse = |why: String| CaptureError::File {
             path: path.to_owned(),
             why,
         };
-        let decoder = y4m::decode(BufReader::new(from))
+        let decoder = y4m::decode(BufReader::new(file))
             .map_err(|error| refuse(format!("not a sound y4m video: {error}")))?;
         let layout = match decoder.get_colorspace() {
             Colorspace::Cmono => Layout::Grey,
@@ -91,6 +85,7 @@ impl Y4m {
             period_ns: period_ns.max(1),
             data: Vec::new(),
             read: 0,
+            sequence: None,
             health: Arc::default(),
         })
     }
@@ -134,7 +129,8 @@ impl FrameSource for Y4m {
             .get_raw_params()
             .and_then(stamp::read)
             .unwrap_or((self.period_ns as i64 * i64::from(count), count));
-        self.health.frame(0);
+        self.health.frame(missing(self.sequence, sequence));
+        self.sequence = Some(sequence);
         Ok(Next::Frame(Frame {
             data: &self.data,
             format: self.format,

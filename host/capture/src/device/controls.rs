@@ -78,8 +78,9 @@ fn set_if_there(device: &Device, id: u32, value: Value) -> io::Result<()> {
     }
 }
 
-/// Gives both eyes the same exposure, gain and white balance and turns the automatics off: the
-/// `asked` values, and for the rest what the left eye has at this moment, where both have it.
+/// Gives both eyes the same exposure, gain and white balance and turns their automatics off: the
+/// `asked` values and, with `the_rest_too`, for the others what the left eye has at this moment,
+/// where both have it.
 ///
 /// # Errors
 /// [`CaptureError::NotOffered`] if an asked value is refused.
@@ -87,6 +88,7 @@ pub fn lock_together(
     left: &mut Camera,
     right: &mut Camera,
     asked: ControlSettings,
+    the_rest_too: bool,
 ) -> Result<ControlSettings, CaptureError> {
     let open = |path: &Path| {
         Device::with_path(path).map_err(|e| failure::of(path, "opening its controls", e))
@@ -94,7 +96,8 @@ pub fn lock_together(
     let devices = [open(&left.path)?, open(&right.path)?];
     let [of_left, of_right] = [&devices[0], &devices[1]].map(ControlSettings::of);
     let both = |pick: fn(&ControlSettings) -> Option<i64>| {
-        pick(&asked).or(pick(&of_left).filter(|_| pick(&of_right).is_some()))
+        let of_left = pick(&of_left).filter(|_| the_rest_too && pick(&of_right).is_some());
+        pick(&asked).or(of_left)
     };
     let settings = ControlSettings {
         exposure: both(|s| s.exposure),

@@ -157,6 +157,10 @@ impl FrameSource for Camera {
         self.period_ns
     }
 
+    fn is_live(&self) -> bool {
+        true
+    }
+
     fn next(&mut self) -> Result<Next<'_>, CaptureError> {
         if self.failed {
             self.open = None;

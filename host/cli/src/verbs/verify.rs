@@ -79,6 +79,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
                 verification.mismatches
             )
         }),
+        beside_output: false,
     })
 }
 
