@@ -1,8 +1,10 @@
 //! One named command for each chore and CI step.
 
+mod cameras;
 mod figures;
 mod firmware;
 mod fuzz;
+mod packages;
 mod steps;
 mod tables;
 
@@ -36,6 +38,8 @@ enum Command {
     Firmware(firmware::Args),
     /// The tests of the tables and the core on emulated aarch64
     Aarch64,
+    /// The built program with the Linux kernel's virtual cameras, in an emulated machine
+    Cameras,
 }
 
 fn main() -> ExitCode {
@@ -47,6 +51,7 @@ fn main() -> ExitCode {
         Command::Fuzz(args) => passed(fuzz::run(&args)),
         Command::Firmware(args) => firmware::run(args),
         Command::Aarch64 => firmware::aarch64::run(),
+        Command::Cameras => cameras::run(),
     };
     match result {
         Ok(Outcome::Passed) => ExitCode::SUCCESS,

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 
-use crate::{figures, firmware, fuzz, repository, tables};
+use crate::{cameras, figures, firmware, fuzz, repository, tables};
 
 /// How a step ended, if not in an error.
 pub enum Outcome {
@@ -17,7 +17,7 @@ pub enum Outcome {
 
 type Step = (&'static str, fn() -> anyhow::Result<Outcome>);
 
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     ("format", format),
     ("lint", lint),
     ("minimum Rust version", minimum_rust_version),
@@ -31,6 +31,7 @@ const STEPS: [Step; 10] = [
     }),
     ("firmware on emulated boards", firmware::test_all),
     ("aarch64, emulated", firmware::aarch64::run),
+    ("cameras, emulated", cameras::run),
     ("fuzzing", fuzzing),
 ];
 

@@ -2,7 +2,9 @@
 
 mod areas;
 mod args;
+mod cameras;
 mod detecting;
+mod directions;
 mod draw;
 mod files;
 mod frames;

@@ -21,6 +21,27 @@ impl Progress {
         })
     }
 
+    /// For work without an end: what is going on, and for how long.
+    pub fn endless() -> Self {
+        let bar = ProgressBar::new_spinner();
+        bar.enable_steady_tick(Duration::from_millis(100));
+        let style = ProgressStyle::with_template("{spinner} {msg} ({elapsed})");
+        Self(match style {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        })
+    }
+
+    /// Says what is going on.
+    pub fn say(&self, what: impl Into<Cow<'static, str>>) {
+        self.0.set_message(what);
+    }
+
+    /// Prints a line that stays, above what is drawn.
+    pub fn note(&self, line: &str) {
+        self.0.suspend(|| eprintln!("{line}"));
+    }
+
     /// Begins the next step.
     pub fn step(&self, what: impl Into<Cow<'static, str>>) {
         self.0.set_message(what);

@@ -12,6 +12,8 @@ pub struct Report {
     pub json: Value,
     /// The verb did its work, and the answer is no.
     pub failure: Option<String>,
+    /// Stdout carries what the verb made: the report goes to stderr.
+    pub beside_output: bool,
 }
 
 impl Report {
@@ -21,6 +23,7 @@ impl Report {
             text,
             json,
             failure: None,
+            beside_output: false,
         }
     }
 }
@@ -37,14 +40,18 @@ impl std::fmt::Display for Usage {
 
 impl std::error::Error for Usage {}
 
-/// Prints a report on stdout. A reader that went away (`| head`) is no error.
+/// Prints a report, on stdout as a rule. A reader that went away (`| head`) is no error.
 pub fn print(report: &Report, json: bool) {
     let text = if json {
         report.json.to_string()
     } else {
         report.text.trim_end().to_owned()
     };
-    let _ = writeln!(std::io::stdout(), "{text}");
+    let _ = if report.beside_output {
+        writeln!(std::io::stderr(), "{text}")
+    } else {
+        writeln!(std::io::stdout(), "{text}")
+    };
 }
 
 /// The whole chain of an error in one message, without causes that a message already quotes.

@@ -2,8 +2,8 @@
 
 use anyhow::{Context, bail};
 
-use super::packages::{self, Need};
 use super::{repository, target_dir, toolchain};
+use crate::packages::{self, Need};
 use crate::steps::Outcome;
 
 const TARGET: &str = "aarch64-unknown-linux-gnu";

@@ -5,7 +5,6 @@ mod board;
 mod build;
 mod emulate;
 mod host;
-mod packages;
 mod proofs;
 mod report;
 mod snapshot;
@@ -55,7 +54,7 @@ fn workspace() -> PathBuf {
 }
 
 /// A folder for build products of a cross build, inside the target folder in use.
-fn target_dir(name: &str) -> PathBuf {
+pub fn target_dir(name: &str) -> PathBuf {
     let base = std::env::var_os("CARGO_TARGET_DIR").map_or_else(
         || repository().join("target"),
         |dir| repository().join(PathBuf::from(dir)),

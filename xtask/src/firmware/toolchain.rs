@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::board::Board;
-use super::packages::{self, Need};
+use crate::packages::{self, Need};
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_COMPILER: &[Need] = &[

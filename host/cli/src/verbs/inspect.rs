@@ -12,7 +12,7 @@ use tectum_core::{Channel, Eye};
 use tectum_optics::convention::yaw_pitch;
 use tectum_optics::design::Area;
 use tectum_optics::{Rig, RigEye};
-use tectum_tables::{Overlay, Mesh, RunKind, Tables};
+use tectum_tables::{Mesh, Overlay, RunKind, Tables};
 
 use crate::areas;
 use crate::report::{Report, Usage};

@@ -82,6 +82,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
                 verification.mismatches
             )
         }),
+        beside_output: false,
     })
 }
 

@@ -5,17 +5,15 @@ mod targets;
 
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::ValueEnum;
-use serde_json::json;
-use tectum_core::{BinaryAngle, Direction, Eye, Lookup, Tables};
-use tectum_tables::RunKind;
+use tectum_core::Eye;
 
 use self::targets::BoxIn;
 use crate::args::{Position, degrees};
+use crate::directions::Answer;
 use crate::files;
 use crate::report::Report;
-use crate::shown::run_at;
 
 /// Which direction a pixel shows, which pixels show a direction, and targets from boxes
 #[derive(clap::Args)]
@@ -82,111 +80,35 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         }
         return targets::run(&tables, &args.boxes, args.tolerance, args.nearest);
     }
-    let lookup = Lookup::new(&tables);
     let eye = args.eye.map(|eye| match eye {
         EyeName::Left => Eye::Left,
         EyeName::Right => Eye::Right,
     });
-    let (pixel_q8, direction) = match (args.pixel, eye) {
-        (Some(Position(at)), None) => {
-            let pixel_q8 = q8(at);
-            let direction = lookup.direction_of_pixel(pixel_q8).with_context(|| {
-                format!(
-                    "pixel {},{} shows no direction: the picture is {}x{} px",
-                    at[0],
-                    at[1],
-                    tables.output_width_px(),
-                    tables.output_height_px()
-                )
-            })?;
-            (Some(pixel_q8), direction)
-        }
-        (Some(Position(at)), Some(eye)) => {
-            let direction = eye_direction(&tables, &lookup, eye, at)?;
-            (lookup.pixel_of_direction(direction), direction)
-        }
-        (None, _) => {
+    let answer = match args.pixel {
+        Some(Position(at)) => Answer::of_pixel(&tables, eye, at)?,
+        None => {
             let [yaw, pitch] = [args.yaw, args.pitch].map(Option::unwrap_or_default);
             if pitch.abs() > 90.0 {
                 bail!("--pitch {pitch} is not allowed: -90 (straight up) to 90 degrees");
             }
-            let direction = Direction {
-                yaw: BinaryAngle::from_degrees(yaw as f32),
-                pitch: BinaryAngle::from_degrees(pitch as f32),
-            };
-            (lookup.pixel_of_direction(direction), direction)
+            Answer::of_direction(&tables, yaw, pitch)
         }
     };
-    let place = pixel_q8.map(|q8| q8.map(|p| f64::from(p) / 256.0));
-    let shown_by = pixel_q8.and_then(|q8| owner(&tables, q8));
-    let [yaw_deg, pitch_deg] = [direction.yaw, direction.pitch].map(BinaryAngle::degrees);
-    let mut text = match place {
+    let mut text = match answer.place_px {
         Some([x, y]) => format!("pixel  {x:.2},{y:.2} of the stitched picture\n"),
         None => "pixel  outside the stitched picture\n".into(),
     };
     text += &format!(
-        "yaw    {yaw_deg:.3} deg (positive left)\npitch  {pitch_deg:.3} deg (negative up)\n\
-         eye    {}",
-        shown_by.unwrap_or("none")
+        "yaw    {:.3} deg (positive left)\npitch  {:.3} deg (negative up)\neye    {}",
+        answer.yaw_deg,
+        answer.pitch_deg,
+        answer.eye.unwrap_or("none")
     );
-    let raw = Eye::BOTH.map(|eye| {
-        let q8 = lookup.eye_pixel_of_direction(eye, direction)?;
-        Some(q8.map(|p| f64::from(p) / 256.0))
-    });
-    for (name, raw) in ["left", "right"].into_iter().zip(&raw) {
+    for (name, raw) in ["left", "right"].into_iter().zip(&answer.raw_px) {
         text += &match raw {
             Some([x, y]) => format!("\n{name:<5}  {x:.2},{y:.2} of its raw picture"),
             None => format!("\n{name:<5}  does not see it"),
         };
     }
-    let [left, right] = raw.map(|raw| raw.map(|[x, y]| json!({ "x": x, "y": y })));
-    let json = json!({
-        "x": place.map(|p| p[0]),
-        "y": place.map(|p| p[1]),
-        "yaw_deg": yaw_deg,
-        "pitch_deg": pitch_deg,
-        "eye": shown_by,
-        "left": left,
-        "right": right,
-    });
-    Ok(Report::new(text, json))
-}
-
-fn q8(position: [f64; 2]) -> [i32; 2] {
-    position.map(|p| (p * 256.0).round() as i32)
-}
-
-fn eye_direction(
-    tables: &Tables<'_>,
-    lookup: &Lookup<'_>,
-    eye: Eye,
-    at: [f64; 2],
-) -> anyhow::Result<Direction> {
-    let [width, height] = tables
-        .source_size_px(eye)
-        .with_context(|| format!("the table does not show the {eye:?} eye"))?;
-    let inside = |p: f64, side: u16| (-0.5..f64::from(side) - 0.5).contains(&p);
-    if !inside(at[0], width) || !inside(at[1], height) {
-        bail!(
-            "pixel {},{} is outside the {eye:?} eye's picture of {width}x{height} px",
-            at[0],
-            at[1]
-        );
-    }
-    lookup.direction_of_eye_pixel(eye, q8(at)).with_context(|| {
-        format!(
-            "pixel {},{} is outside the {eye:?} eye's field",
-            at[0], at[1]
-        )
-    })
-}
-
-/// Who the stitched picture shows at a position; `None` for nobody.
-fn owner(tables: &Tables<'_>, position_q8: [i32; 2]) -> Option<&'static str> {
-    match run_at(tables, position_q8.map(|q8| f64::from(q8) / 256.0))? {
-        RunKind::Void => None,
-        RunKind::Left => Some("left"),
-        RunKind::Right => Some("right"),
-        RunKind::Blend(_) => Some("both"),
-    }
+    Ok(Report::new(text, answer.json()))
 }

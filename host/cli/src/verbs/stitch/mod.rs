@@ -1,5 +1,7 @@
 //! `tectum stitch`: pictures of both eyes to one.
 
+mod live;
+
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -13,12 +15,10 @@ use tectum_core::Sampler;
 use tectum_optics::Rig;
 use tectum_stitch::registration::planar::{self, PlanarOptions};
 
+use crate::cameras::{CameraOptions, Limits, USUAL_STEP_DEG, ViewArgs};
 use crate::frames::Frames;
-use crate::report::Report;
+use crate::report::{Report, Usage};
 use crate::{files, paired, pictures};
-
-/// From line to line of scales, degrees, where nothing else is said.
-const USUAL_STEP_DEG: f64 = 30.0;
 
 /// Pictures of both eyes to one, as the fish does it
 #[derive(clap::Args)]
@@ -26,13 +26,15 @@ const USUAL_STEP_DEG: f64 = 30.0;
     tectum stitch fish.tct --left l.png --right r.png -o out.png --scales\n  \
     tectum stitch gear.tct --picture both-eyes.jpg -o sphere.png\n  \
     tectum stitch fish.tct --left l.png --right r.png -o out.png --format yuyv --json\n  \
-    tectum stitch rig.toml --paper --left l.png --right r.png -o planar.png\n\n\
+    tectum stitch rig.toml --paper --left l.png --right r.png -o planar.png\n  \
+    tectum stitch fish.tct --live --left /dev/video0 --right /dev/video2 -o out.y4m --view\n  \
+    tectum stitch fish.tct --live --left l.y4m --right r.y4m -o - | ffmpeg -i - out.mp4\n\n\
     `seconds` in the JSON is the core's time, without files and conversions.")]
 pub struct Args {
     /// Table; with --paper a rig file
     table: PathBuf,
     /// Picture of the left eye (PNG, JPEG, PNM)
-    #[arg(long, value_name = "A", required_unless_present_any = ["picture", "right"])]
+    #[arg(long, value_name = "A", required_unless_present_any = ["picture", "right", "source"])]
     left: Option<PathBuf>,
     /// Picture of the right eye; may be the same file
     #[arg(long, value_name = "B")]
@@ -40,13 +42,17 @@ pub struct Args {
     /// One picture that holds both eyes
     #[arg(long, value_name = "A", conflicts_with_all = ["left", "right"])]
     picture: Option<PathBuf>,
-    /// Picture to write (.png, .jpg, .ppm)
+    /// Picture to write (.png, .jpg, .ppm); with --live a video (.y4m, .mjpeg, or - for y4m on stdout)
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
     /// Draw lines of equal yaw and pitch, as the core draws them: the table's own or, if it has none
     /// or DEG is given, every DEG degrees (30)
     #[arg(long, value_name = "DEG", num_args = 0..=1, require_equals = true)]
     scales: Option<Option<f64>>,
+    /// With --live: how the body is turned at each frame, as `tectum simulate --motion` writes it. The
+    /// scales are then the world's, level with the horizon
+    #[arg(long, value_name = "FILE.csv", requires_all = ["live", "scales"])]
+    attitude: Option<PathBuf>,
     /// Pixel format that the core works in
     #[arg(long, value_enum, default_value_t = FormatName::Rgb8)]
     format: FormatName,
@@ -60,6 +66,16 @@ pub struct Args {
     /// Run as on a machine with memory for a single frame: the same bytes
     #[arg(long)]
     one_eye_at_a_time: bool,
+    /// Frame after frame: --left and --right are cameras (best by their names in /dev/v4l/by-id),
+    /// recordings (.y4m, .mjpeg) or folders of pictures; the core works in the frames' own format
+    #[arg(long, conflicts_with_all = ["paper", "format"])]
+    live: bool,
+    #[command(flatten)]
+    limits: Limits,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    cameras: CameraOptions,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -82,8 +98,23 @@ enum SamplerName {
     Bilinear,
 }
 
+impl From<SamplerName> for Sampler {
+    fn from(name: SamplerName) -> Self {
+        match name {
+            SamplerName::Nearest => Self::Nearest,
+            SamplerName::Bilinear => Self::Bilinear,
+        }
+    }
+}
+
 /// Stitches and writes.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
+    if args.live {
+        return live::run(args);
+    }
+    if args.cameras.is_given() || args.limits.is_given() || args.view.view.is_some() {
+        return Err(Usage("options of cameras go with --live".into()).into());
+    }
     pictures::format_of(&args.output)?;
     if args.paper {
         return planar(args);
@@ -99,10 +130,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         FormatName::Yuyv => Format::Yuyv,
         FormatName::Rgb8 => Format::Rgb8,
     };
-    let sampler = match args.sampler {
-        SamplerName::Nearest => Sampler::Nearest,
-        SamplerName::Bilinear => Sampler::Bilinear,
-    };
+    let sampler = args.sampler.into();
     let pass = if args.one_eye_at_a_time {
         Pass::OneEyeAtATime
     } else {

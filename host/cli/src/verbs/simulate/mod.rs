@@ -1,7 +1,10 @@
 //! `tectum simulate`: the pool as the eyes of a rig see it, with its truth.
 
+mod motion;
+
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use image::{ImageBuffer, Luma};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::json;
@@ -19,7 +22,8 @@ use crate::{files, pictures, pool};
     tectum simulate rig.toml -o pool\n  \
     tectum simulate rig.toml -o pool --seed 7 --samples 4 --truth\n  \
     tectum simulate rig.toml -o dive --attitude 0,40,0 --position 0,0,0.4\n  \
-    tectum simulate rig.toml -o tank --scene tank.toml\n\n\
+    tectum simulate rig.toml -o tank --scene tank.toml\n  \
+    tectum simulate rig.toml -o dive --motion dive --seconds 4\n\n\
     The body is in the middle of a 12 x 8 x 2.4 m pool, its frame is the pool's, unless --position\n\
     and --attitude say otherwise, or --scene describes another pool (`docs/scene.md`).\n\
     Writes left.png and right.png. With --truth also equirect.png (1024x512, what a perfect eye at\n\
@@ -56,18 +60,42 @@ pub struct Args {
     /// Write the truth of each pixel
     #[arg(long)]
     truth: bool,
+    /// Videos of a body in motion
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["truth", "position", "attitude"])]
+    motion: Option<MotionName>,
+    /// Length of the videos, s
+    #[arg(long, value_name = "S", default_value_t = 4, requires = "motion",
+        value_parser = clap::value_parser!(u32).range(1..=600))]
+    seconds: u32,
+    /// Frames a second
+    #[arg(long, value_name = "N", default_value_t = 15, requires = "motion",
+        value_parser = clap::value_parser!(u32).range(1..=240))]
+    fps: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MotionName {
+    /// Level, the head swinging
+    Swim,
+    /// Nose down, from the surface to the floor
+    Dive,
+    /// Once round its own axis
+    Roll,
 }
 
 /// Simulates.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let rig = Rig::load(&args.rig)?;
-    let progress = Progress::new(if args.truth { 2 } else { 1 });
-    progress.step("rendering both eyes");
     let description = match &args.scene {
         Some(path) => pool::load(path)?,
         None => pool::furnished(&rig),
     };
     let scene = Scene::new(&description)?;
+    if let Some(name) = args.motion {
+        return motion::run(args, name, &rig, &scene);
+    }
+    let progress = Progress::new(if args.truth { 2 } else { 1 });
+    progress.step("rendering both eyes");
     let body = args.body();
     let eyes = pool::both_eyes(&scene, &rig, body, args.seed, args.samples)?;
     let text = toml::to_string(&description)?;

@@ -1,0 +1,140 @@
+//! Frames of every layout to what the core takes, and to RGB.
+
+use std::borrow::Cow;
+use std::io::Cursor;
+
+use image::{ImageFormat, ImageReader};
+use tectum_bake::convert::to_rgb8 as core_to_rgb8;
+
+use crate::{Frame, FrameFormat, Layout};
+
+/// A frame whose bytes are no picture of its size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the frame cannot be decoded")]
+pub struct NotDecodable;
+
+/// The frame's pixels in [`Layout::core_format`], and the bytes from row to row. Borrowed from the
+/// frame where the core takes its layout as it is; otherwise written to `scratch`.
+///
+/// # Errors
+/// [`NotDecodable`] if the bytes are too few or, for JPEG, no picture of the format's size.
+pub fn to_core<'a>(
+    frame: &Frame<'a>,
+    scratch: &'a mut Vec<u8>,
+) -> Result<(&'a [u8], usize), NotDecodable> {
+    let FrameFormat {
+        layout,
+        size_px: [width, height],
+        stride_bytes,
+    } = frame.format;
+    if frame.data.len() < frame.format.frame_bytes() {
+        return Err(NotDecodable);
+    }
+    let [width, height] = [width, height].map(usize::from);
+    match layout {
+        Layout::Yuyv | Layout::Grey | Layout::Rgb565 | Layout::Rgb24 => {
+            Ok((frame.data, stride_bytes))
+        }
+        Layout::Nv12 => {
+            scratch.clear();
+            let (luma, chroma) = frame.data.split_at(stride_bytes * height);
+            for y in 0..height {
+                let luma = &luma[y * stride_bytes..][..width];
+                let chroma = &chroma[y / 2 * stride_bytes..][..width];
+                let pairs = luma
+                    .as_chunks::<2>()
+                    .0
+                    .iter()
+                    .zip(chroma.as_chunks::<2>().0);
+                scratch.extend(pairs.flat_map(|([even, odd], [u, v])| [*even, *u, *odd, *v]));
+            }
+            Ok((scratch, width * 2))
+        }
+        Layout::Mjpeg => {
+            *scratch = decode_jpeg(frame)?;
+            Ok((scratch, width * 3))
+        }
+    }
+}
+
+/// The frame as three bytes a pixel, rows tightly packed.
+///
+/// # Errors
+/// As [`to_core`].
+pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
+    let mut scratch = Vec::new();
+    let (data, stride) = to_core(frame, &mut scratch)?;
+    let format = frame.format.layout.core_format();
+    let [width, height] = frame.format.size_px.map(usize::from);
+    let row = width * format.bytes_per_pixel();
+    let packed: Cow<'_, [u8]> = if stride == row {
+        Cow::Borrowed(&data[..row * height])
+    } else {
+        Cow::Owned(
+            data.chunks(stride)
+                .take(height)
+                .flat_map(|line| &line[..row])
+                .copied()
+                .collect(),
+        )
+    };
+    Ok(core_to_rgb8(format, &packed))
+}
+
+fn decode_jpeg(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
+    let picture = ImageReader::with_format(Cursor::new(frame.data), ImageFormat::Jpeg)
+        .decode()
+        .map_err(|_| NotDecodable)?;
+    let size = [picture.width(), picture.height()];
+    if size != frame.format.size_px.map(u32::from) {
+        return Err(NotDecodable);
+    }
+    Ok(picture.into_rgb8().into_raw())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(data: &[u8], format: FrameFormat) -> Frame<'_> {
+        Frame {
+            data,
+            format,
+            time_ns: 0,
+            sequence: 0,
+            superseded: false,
+        }
+    }
+
+    #[test]
+    fn nv12_becomes_yuyv_with_padding_left_out() {
+        let format = FrameFormat {
+            stride_bytes: 6,
+            ..FrameFormat::packed(Layout::Nv12, [4, 2])
+        };
+        let data = [1, 2, 3, 4, 0, 0, 5, 6, 7, 8, 0, 0, 10, 20, 30, 40];
+        let mut scratch = Vec::new();
+        let (yuyv, stride) = to_core(&frame(&data, format), &mut scratch).unwrap();
+        assert_eq!(stride, 8);
+        let wanted = [1, 10, 2, 20, 3, 30, 4, 40, 5, 10, 6, 20, 7, 30, 8, 40];
+        assert_eq!(yuyv, wanted);
+    }
+
+    #[test]
+    fn what_the_core_takes_is_not_copied() {
+        let data = [7; 64];
+        let format = FrameFormat::packed(Layout::Yuyv, [4, 2]);
+        let mut scratch = Vec::new();
+        let (bytes, _) = to_core(&frame(&data, format), &mut scratch).unwrap();
+        assert!(std::ptr::eq(bytes, &data[..]));
+    }
+
+    #[test]
+    fn short_and_broken_frames_are_refused() {
+        let format = FrameFormat::packed(Layout::Rgb24, [4, 2]);
+        assert_eq!(to_rgb8(&frame(&[0; 23], format)), Err(NotDecodable));
+        assert_eq!(to_rgb8(&frame(&[9; 24], format)), Ok(vec![9; 24]));
+        let jpeg = FrameFormat::packed(Layout::Mjpeg, [4, 2]);
+        assert_eq!(to_rgb8(&frame(b"\xff\xd8 no", jpeg)), Err(NotDecodable));
+    }
+}

@@ -1,0 +1,48 @@
+//! Two cameras as one: sources of frames, their pairing in time, recordings that survive a power
+//! cut, live stitching.
+//!
+//! A [`FrameSource`] gives frames one after the other: a camera ([`device`], with the feature
+//! `v4l2`), picture files ([`Pictures`]), a recording ([`Y4m`], [`Mjpeg`]) or something that makes
+//! them up ([`Generated`]). What follows does not see a difference. [`Pairs`] brings two of them
+//! together by the time at which their frames were taken. [`preview`] shows what comes out in a
+//! browser.
+
+mod clock;
+mod convert;
+#[cfg(feature = "v4l2")]
+pub mod device;
+mod disk;
+mod error;
+mod format;
+mod generated;
+mod health;
+mod live;
+mod mjpeg;
+mod pairing;
+mod pairs;
+mod pictures;
+pub mod preview;
+mod recorder;
+mod session;
+mod source;
+mod stamp;
+mod stop;
+mod y4m_file;
+
+pub use clock::monotonic_ns;
+pub use convert::{NotDecodable, to_core, to_rgb8};
+pub use disk::{LEAST_FREE_BYTES, check_free};
+pub use error::CaptureError;
+pub use format::{FrameFormat, Layout, UnknownLayout};
+pub use generated::Generated;
+pub use health::{Counts, Health};
+pub use live::LiveStitcher;
+pub use mjpeg::Mjpeg;
+pub use pairing::{Drift, Step, pair_all, step};
+pub use pairs::{Late, Pair, PairStatistics, Pairs};
+pub use pictures::Pictures;
+pub use recorder::{Recorder, VideoKind};
+pub use session::{Coverage, Session, Verdict};
+pub use source::{Frame, FrameSource, Next};
+pub use stop::Stop;
+pub use y4m_file::Y4m;

@@ -1,0 +1,179 @@
+//! Raw video (YUV4MPEG2) as a source.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use y4m::{Colorspace, Decoder, Error};
+
+use crate::health::missing;
+use crate::source::{Frame, FrameSource, Next};
+use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
+
+/// A y4m file: luma as [`Layout::Grey`], 4:2:2 as [`Layout::Yuyv`], 4:2:0 as [`Layout::Nv12`] and
+/// 4:4:4 as [`Layout::Rgb24`] (BT.601, full range). Times are those of the recording, else they
+/// follow from the frame rate. A last frame that is cut off is left out and counted as corrupt.
+pub struct Y4m {
+    path: PathBuf,
+    name: String,
+    decoder: Decoder<BufReader<File>>,
+    format: FrameFormat,
+    period_ns: u64,
+    data: Vec<u8>,
+    read: u32,
+    sequence: Option<u32>,
+    health: Arc<Health>,
+}
+
+impl std::fmt::Debug for Y4m {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Y4m")
+            .field("path", &self.path)
+            .field("format", &self.format)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Y4m {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// [`CaptureError::File`] if it is no y4m file of a known kind; [`CaptureError::Io`] or
+    /// [`CaptureError::NoDevice`] if it cannot be read.
+    pub fn open(path: &Path) -> Result<Self, CaptureError> {
+        let file = File::open(path).map_err(|e| CaptureError::io(path, e))?;
+        let refuse = |why: String| CaptureError::File {
+            path: path.to_owned(),
+            why,
+        };
+        let decoder = y4m::decode(BufReader::new(file))
+            .map_err(|error| refuse(format!("not a sound y4m video: {error}")))?;
+        let layout = match decoder.get_colorspace() {
+            Colorspace::Cmono => Layout::Grey,
+            Colorspace::C422 => Layout::Yuyv,
+            Colorspace::C420
+            | Colorspace::C420jpeg
+            | Colorspace::C420paldv
+            | Colorspace::C420mpeg2 => Layout::Nv12,
+            Colorspace::C444 => Layout::Rgb24,
+            other => {
+                return Err(refuse(format!(
+                    "colours are {other:?}: needed are 8-bit mono, 420, 422 or 444"
+                )));
+            }
+        };
+        let [width, height] = [decoder.get_width(), decoder.get_height()];
+        let side = |px: usize| u16::try_from(px).ok().filter(|px| *px > 0);
+        let (Some(w), Some(h)) = (side(width), side(height)) else {
+            return Err(refuse(format!("{width}x{height} px is no picture")));
+        };
+        if matches!(layout, Layout::Nv12 | Layout::Yuyv) && w % 2 == 1 {
+            return Err(refuse(format!("an odd width ({w} px) with shared chroma")));
+        }
+        let rate = decoder.get_framerate();
+        let period_ns = if rate.num == 0 {
+            0
+        } else {
+            (rate.den as f64 / rate.num as f64 * 1e9) as u64
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            name: path.display().to_string(),
+            decoder,
+            format: FrameFormat::packed(layout, [w, h]),
+            period_ns: period_ns.max(1),
+            data: Vec::new(),
+            read: 0,
+            sequence: None,
+            health: Arc::default(),
+        })
+    }
+}
+
+impl FrameSource for Y4m {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn format(&self) -> FrameFormat {
+        self.format
+    }
+
+    fn period_ns(&self) -> Option<u64> {
+        Some(self.period_ns)
+    }
+
+    fn next(&mut self) -> Result<Next<'_>, CaptureError> {
+        let frame = match self.decoder.read_frame() {
+            Ok(frame) => frame,
+            Err(Error::EOF) => return Ok(Next::End),
+            // Anything else that is no frame ends the file: there is no way to find the next.
+            Err(Error::IoError(error)) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
+                return Err(CaptureError::io(&self.path, error));
+            }
+            Err(_) => {
+                self.health.corrupt();
+                return Ok(Next::End);
+            }
+        };
+        let planes = [
+            frame.get_y_plane(),
+            frame.get_u_plane(),
+            frame.get_v_plane(),
+        ];
+        pack(self.format, planes, &mut self.data);
+        let count = self.read;
+        self.read += 1;
+        let (time_ns, sequence) = frame
+            .get_raw_params()
+            .and_then(stamp::read)
+            .unwrap_or((self.period_ns as i64 * i64::from(count), count));
+        self.health.frame(missing(self.sequence, sequence));
+        self.sequence = Some(sequence);
+        Ok(Next::Frame(Frame {
+            data: &self.data,
+            format: self.format,
+            time_ns,
+            sequence,
+            superseded: false,
+        }))
+    }
+
+    fn health(&self) -> Arc<Health> {
+        self.health.clone()
+    }
+}
+
+/// Planes to packed bytes.
+fn pack(format: FrameFormat, [y, u, v]: [&[u8]; 3], out: &mut Vec<u8>) {
+    out.clear();
+    match format.layout {
+        Layout::Yuyv => {
+            let luma = y.as_chunks::<2>().0.iter();
+            let pairs = luma.zip(u.iter().zip(v));
+            out.extend(pairs.flat_map(|([even, odd], (u, v))| [*even, *u, *odd, *v]));
+        }
+        Layout::Nv12 => {
+            out.extend_from_slice(y);
+            out.extend(u.iter().zip(v).flat_map(|(u, v)| [*u, *v]));
+        }
+        Layout::Rgb24 => out.extend(
+            y.iter()
+                .zip(u.iter().zip(v))
+                .flat_map(|(y, (u, v))| rgb(*y, *u, *v)),
+        ),
+        Layout::Grey | Layout::Rgb565 | Layout::Mjpeg => out.extend_from_slice(y),
+    }
+}
+
+/// BT.601, full range (ITU-T T.871).
+fn rgb(y: u8, u: u8, v: u8) -> [u8; 3] {
+    let [y, u, v] = [i32::from(y), i32::from(u) - 128, i32::from(v) - 128];
+    [
+        y + (v * 1402 + 500).div_euclid(1000),
+        y - (u * 344 + v * 714 + 500).div_euclid(1000),
+        y + (u * 1772 + 500).div_euclid(1000),
+    ]
+    .map(|c| c.clamp(0, 255) as u8)
+}

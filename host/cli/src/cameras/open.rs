@@ -1,0 +1,210 @@
+//! From what is named on the command line to frames.
+
+use std::os::unix::fs::FileTypeExt;
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use tectum_capture::{
+    CaptureError, FrameSource, Late, Layout, Mjpeg, Pairs, Pictures, VideoKind, Y4m,
+};
+
+use super::{Feed, demo};
+use crate::args::Size;
+use crate::report::Usage;
+
+/// How cameras are opened.
+#[derive(Debug, Clone, Default, clap::Args)]
+#[command(next_help_heading = "Cameras")]
+pub struct CameraOptions {
+    /// Frames of both eyes from elsewhere
+    #[arg(long, value_enum, conflicts_with_all = ["left", "right"])]
+    pub source: Option<SourceName>,
+    /// YUYV, GREY, RGB565, RGB3, NV12 or MJPG; without, the first of these that the camera offers
+    #[arg(long, value_name = "FORMAT")]
+    pub pixel_format: Option<Layout>,
+    /// Size of an eye's frame, px; without, what the table needs, else what the camera has set
+    #[arg(long, value_name = "WxH")]
+    pub frame_size: Option<Size>,
+    /// Frames a second
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub rate: Option<u32>,
+    /// Frames taken at most this far apart belong together; at most, and without, half of the time
+    /// between frames
+    #[arg(long, value_name = "MS")]
+    pub tolerance_ms: Option<f64>,
+    /// Give both eyes the left eye's exposure, gain and white balance of this moment, and keep them
+    #[arg(long)]
+    pub lock: bool,
+    /// Exposure time of both eyes, in 0.1 ms; the automatic is turned off
+    #[arg(long, value_name = "N")]
+    pub exposure: Option<i64>,
+    /// Gain of both eyes, in the cameras' own units; the automatic is turned off
+    #[arg(long, value_name = "N")]
+    pub gain: Option<i64>,
+    /// White balance of both eyes, kelvin; the automatic is turned off
+    #[arg(long, value_name = "K")]
+    pub white_balance: Option<i64>,
+    /// Left and right may be different products
+    #[arg(long)]
+    pub allow_different_cameras: bool,
+}
+
+/// Frames without cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SourceName {
+    /// The simulated pool, live, as a body that swings sees it (eyes of 240x240 px)
+    Demo,
+}
+
+impl CameraOptions {
+    /// Whether any of them is given.
+    pub fn is_given(&self) -> bool {
+        self.source.is_some()
+            || self.pixel_format.is_some()
+            || self.frame_size.is_some()
+            || self.rate.is_some()
+            || self.tolerance_ms.is_some()
+            || self.lock
+            || self.exposure.or(self.gain).or(self.white_balance).is_some()
+            || self.allow_different_cameras
+    }
+}
+
+/// Opens one or both eyes. `size_px` is what an eye must give, if that is known. Where `all` is
+/// set no frame is skipped because a newer one is there.
+pub fn open(
+    left: Option<&Path>,
+    right: Option<&Path>,
+    options: &CameraOptions,
+    size_px: Option<[u16; 2]>,
+    all: bool,
+) -> anyhow::Result<Feed> {
+    let size_px = options.frame_size.map(|size| size.0).or(size_px);
+    let [left, right] = match (options.source, left, right) {
+        (Some(SourceName::Demo), ..) => demo::eyes(options.rate)?.map(Some),
+        (None, Some(left), Some(right)) => both(left, right, options, size_px)?.map(Some),
+        (None, Some(path), None) => [Some(one(path, options, size_px)?.boxed()), None],
+        (None, None, Some(path)) => [None, Some(one(path, options, size_px)?.boxed())],
+        (None, None, None) => {
+            return Err(Usage(
+                "needed are --left and --right (cameras, recordings or folders), or --source demo"
+                    .into(),
+            )
+            .into());
+        }
+    };
+    Ok(match (left, right) {
+        (Some(left), Some(right)) => {
+            let tolerance = options.tolerance_ms.map(|ms| (ms * 1e6).max(0.0) as u64);
+            let late = if all || !(left.is_live() || right.is_live()) {
+                Late::KeepAll
+            } else {
+                Late::NewestWins
+            };
+            Feed::Two(Pairs::new(left, right, tolerance, late)?)
+        }
+        (left, right) => Feed::one(left, right),
+    })
+}
+
+/// A source that may be a camera.
+enum Opened {
+    #[cfg(feature = "v4l2")]
+    Camera(tectum_capture::device::Camera),
+    File(Box<dyn FrameSource>),
+}
+
+impl Opened {
+    fn boxed(self) -> Box<dyn FrameSource> {
+        match self {
+            #[cfg(feature = "v4l2")]
+            Self::Camera(camera) => Box::new(camera),
+            Self::File(source) => source,
+        }
+    }
+}
+
+fn one(
+    path: &Path,
+    options: &CameraOptions,
+    size_px: Option<[u16; 2]>,
+) -> Result<Opened, CaptureError> {
+    if is_device(path) {
+        return camera(path, options, size_px);
+    }
+    Ok(Opened::File(match VideoKind::of(path) {
+        Some(VideoKind::Y4m) => Box::new(Y4m::open(path)?),
+        Some(VideoKind::Mjpeg) => Box::new(Mjpeg::open(path)?),
+        None => Box::new(Pictures::open(path)?),
+    }))
+}
+
+/// A device node, or the name of one that may come.
+fn is_device(path: &Path) -> bool {
+    let kind = path.metadata().map(|data| data.file_type());
+    path.starts_with("/dev") || kind.is_ok_and(|kind| kind.is_char_device())
+}
+
+#[cfg(not(feature = "v4l2"))]
+fn camera(
+    path: &Path,
+    _options: &CameraOptions,
+    _size_px: Option<[u16; 2]>,
+) -> Result<Opened, CaptureError> {
+    Err(CaptureError::WithoutCameras(path.display().to_string()))
+}
+
+#[cfg(feature = "v4l2")]
+fn camera(
+    path: &Path,
+    options: &CameraOptions,
+    size_px: Option<[u16; 2]>,
+) -> Result<Opened, CaptureError> {
+    use tectum_capture::device::{Camera, Wanted};
+    let wanted = Wanted {
+        layout: options.pixel_format,
+        size_px,
+        rate_hz: options.rate,
+    };
+    Ok(Opened::Camera(Camera::open(path, wanted)?))
+}
+
+fn both(
+    left: &Path,
+    right: &Path,
+    options: &CameraOptions,
+    size_px: Option<[u16; 2]>,
+) -> Result<[Box<dyn FrameSource>; 2], CaptureError> {
+    let node = |path: &Path| path.canonicalize().unwrap_or_else(|_| PathBuf::from(path));
+    if is_device(left) && node(left) == node(right) {
+        return Err(CaptureError::SameCamera(left.display().to_string()));
+    }
+    let opened = [one(left, options, size_px)?, one(right, options, size_px)?];
+    #[cfg(feature = "v4l2")]
+    let opened = alike(opened, options)?;
+    Ok(opened.map(Opened::boxed))
+}
+
+/// Two cameras must be the same product, and get the same controls if asked for.
+#[cfg(feature = "v4l2")]
+fn alike(opened: [Opened; 2], options: &CameraOptions) -> Result<[Opened; 2], CaptureError> {
+    use tectum_capture::device::{ControlSettings, lock_together};
+    let [Opened::Camera(mut left), Opened::Camera(mut right)] = opened else {
+        return Ok(opened);
+    };
+    if left.product() != right.product() && !options.allow_different_cameras {
+        return Err(CaptureError::DifferentCameras {
+            left: left.product().to_owned(),
+            right: right.product().to_owned(),
+        });
+    }
+    let asked = ControlSettings {
+        exposure: options.exposure,
+        gain: options.gain,
+        white_balance_k: options.white_balance,
+    };
+    if options.lock || asked != ControlSettings::default() {
+        lock_together(&mut left, &mut right, asked, options.lock)?;
+    }
+    Ok([Opened::Camera(left), Opened::Camera(right)])
+}

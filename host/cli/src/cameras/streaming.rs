@@ -1,0 +1,112 @@
+//! Pairs of frames through the core, one after the other, to a video and to the preview.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use serde_json::json;
+use tectum_capture::{CaptureError, Frame, FrameFormat, LiveStitcher, Pair, Recorder};
+use tectum_core::{Eye, Sampler, Tables};
+
+use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt};
+use crate::files;
+use crate::report::Report;
+
+/// A table that lives as long as the program: the preview's thread answers from it.
+pub fn keep(bytes: Vec<u8>, path: &Path) -> anyhow::Result<&'static Tables<'static>> {
+    let bytes: &'static [u8] = Box::leak(bytes.into_boxed_slice());
+    Ok(Box::leak(Box::new(files::table(bytes, path)?)))
+}
+
+/// Size of a frame of both eyes, as a table needs it.
+pub fn source_size_px(tables: &Tables<'_>) -> anyhow::Result<[u16; 2]> {
+    let sizes = Eye::BOTH.map(|eye| tables.source_size_px(eye));
+    match sizes {
+        [Some(left), Some(right)] if left == right => Ok(left),
+        [Some(_), Some(_)] => bail!("the table's eyes differ in size: live cameras must be alike"),
+        _ => bail!("the table shows one eye alone: live stitching needs both"),
+    }
+}
+
+/// Stitches until the feed ends or a limit is reached.
+pub fn run(
+    feed: &mut Feed,
+    tables: &'static Tables<'static>,
+    sampler: Sampler,
+    mut recorder: Option<Recorder>,
+    mut scales: Option<LiveScales>,
+    (limits, view): (&Limits, &ViewArgs),
+) -> anyhow::Result<Report> {
+    let needed = source_size_px(tables)?;
+    let given = feed.format();
+    if given.size_px != needed {
+        bail!(
+            "the eyes give {given}, the table needs {}x{} px: give --frame-size, or bake a table \
+             for this size",
+            needed[0],
+            needed[1]
+        );
+    }
+    let stop = stop_on_interrupt(limits)?;
+    let preview = view
+        .view
+        .map(|address| showing::serve(address, feed, Some(tables)));
+    let mut watch = Watch::new(feed, preview.transpose()?);
+    let mut stitcher = LiveStitcher::new(tables, sampler);
+    let out_format = FrameFormat::packed(
+        LiveStitcher::output_layout(given.layout),
+        stitcher.output_size_px(),
+    );
+    let mut undecodable = 0_u64;
+    let done = feed.for_each(&stop, |shot, statistics| {
+        let begun = Instant::now();
+        let &[Some(left), Some(right)] = shot else {
+            bail!("live stitching needs both eyes");
+        };
+        let Some(stitched) = stitcher.stitch(&Pair { left, right })? else {
+            undecodable += 1;
+            return Ok(ControlFlow::Continue(()));
+        };
+        if let Some(scales) = &mut scales {
+            scales.draw(left.sequence, out_format.layout.core_format(), stitched)?;
+        }
+        let stitched = &*stitched;
+        if let Some(recorder) = &mut recorder {
+            recorder.write(&Frame {
+                data: stitched,
+                format: out_format,
+                ..left
+            })?;
+        }
+        watch.shot(shot, Some((stitched, out_format)), begun, statistics, None);
+        Ok(match limits.are_reached(watch.shots(), watch.start()) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        })
+    });
+    if let Err(error) = done
+        && !is_closed_pipe(&error)
+    {
+        return Err(error).with_context(|| format!("after {} frames", watch.shots()));
+    }
+    let mut text = watch.text();
+    let mut json = watch.json();
+    if undecodable > 0 {
+        text += &format!("\n{undecodable} pairs could not be decoded");
+    }
+    json["undecodable"] = json!(undecodable);
+    if let Some(recorder) = &recorder {
+        text = format!("{}\n{text}", recorder.path().display());
+        json["video"] = json!(recorder.path());
+    }
+    Ok(Report::new(text, json))
+}
+
+/// A reader that went away (`| head`) is no error.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    matches!(
+        error.downcast_ref(),
+        Some(CaptureError::Io { source, .. }) if source.kind() == std::io::ErrorKind::BrokenPipe
+    )
+}

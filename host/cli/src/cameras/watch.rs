@@ -1,0 +1,257 @@
+//! How it goes: rates, latency, losses; for the terminal, the preview and the report.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tectum_capture::preview::{Picture, Preview, Snapshot};
+use tectum_capture::{FrameFormat, Health, PairStatistics, Session, monotonic_ns};
+
+use super::Feed;
+use super::feed::Shot;
+use super::feed::counts_json;
+use crate::progress::Progress;
+
+/// From one line of figures to the next.
+const SAY_EVERY: Duration = Duration::from_millis(500);
+/// A clock that says a frame is older than this is another clock than ours.
+const OLDEST_NS: i64 = 60_000_000_000;
+
+/// The stitched picture of a moment.
+type Stitched<'a> = (&'a [u8], FrameFormat);
+
+/// Mean and greatest of some milliseconds.
+#[derive(Debug, Clone, Copy, Default)]
+struct Times {
+    count: u64,
+    sum_ms: f64,
+    max_ms: f64,
+}
+
+impl Times {
+    fn add(&mut self, ms: f64) {
+        self.count += 1;
+        self.sum_ms += ms;
+        self.max_ms = self.max_ms.max(ms);
+    }
+
+    fn mean_ms(&self) -> f64 {
+        self.sum_ms / self.count.max(1) as f64
+    }
+
+    fn text(&self) -> String {
+        format!("{:.1} ms (max {:.1})", self.mean_ms(), self.max_ms)
+    }
+
+    fn json(&self) -> Value {
+        json!({ "mean": self.mean_ms(), "max": self.max_ms })
+    }
+}
+
+/// Counts and shows.
+pub struct Watch {
+    eyes: [Option<(String, Arc<Health>)>; 2],
+    preview: Option<Preview>,
+    progress: Progress,
+    start: Instant,
+    shots: u64,
+    work: Times,
+    latency: Times,
+    statistics: PairStatistics,
+    /// Since the last line.
+    lately: (Instant, u64, Times),
+    rate_hz: f64,
+    note: String,
+}
+
+impl Watch {
+    /// Begins to count.
+    pub fn new(feed: &Feed, preview: Option<Preview>) -> Self {
+        let progress = Progress::endless();
+        if let Some(preview) = &preview {
+            progress.note(&format!("preview: http://{}/", preview.address()));
+        }
+        let watch = Self {
+            eyes: feed.eyes(),
+            preview,
+            progress,
+            start: Instant::now(),
+            shots: 0,
+            work: Times::default(),
+            latency: Times::default(),
+            statistics: PairStatistics::default(),
+            lately: (Instant::now(), 0, Times::default()),
+            rate_hz: 0.0,
+            note: String::new(),
+        };
+        watch.set_status(false, None);
+        watch
+    }
+
+    /// Shots so far.
+    pub fn shots(&self) -> u64 {
+        self.shots
+    }
+
+    /// When it began.
+    pub fn start(&self) -> Instant {
+        self.start
+    }
+
+    /// A few words about what is going on, shown with the figures.
+    pub fn say(&mut self, note: String) {
+        self.note = note;
+    }
+
+    /// A shot was dealt with, which began at `begun`.
+    pub fn shot(
+        &mut self,
+        shot: &Shot<'_>,
+        stitched: Option<Stitched<'_>>,
+        begun: Instant,
+        statistics: &PairStatistics,
+        session: Option<&Session>,
+    ) {
+        self.shots += 1;
+        self.statistics = *statistics;
+        self.lately.1 += 1;
+        self.work.add(begun.elapsed().as_secs_f64() * 1e3);
+        let taken = shot.iter().flatten().map(|frame| frame.time_ns).max();
+        let age_ns = taken.map(|taken| monotonic_ns().wrapping_sub(taken));
+        if let Some(ns) = age_ns.filter(|ns| (0..OLDEST_NS).contains(ns)) {
+            let ms = ns as f64 / 1e6;
+            self.latency.add(ms);
+            self.lately.2.add(ms);
+        }
+        if let Some(preview) = self.preview.as_ref().filter(|preview| preview.is_due()) {
+            let [left, right] = shot.map(|frame| frame.map(|f| Picture::new(f.data, f.format)));
+            preview.publish(Snapshot {
+                number: self.shots,
+                stitched: stitched.map(|(data, format)| Picture::new(data, format)),
+                left,
+                right,
+            });
+        }
+        if self.lately.0.elapsed() >= SAY_EVERY {
+            self.rate_hz = self.lately.1 as f64 / self.lately.0.elapsed().as_secs_f64();
+            self.progress.say(self.line());
+            self.set_status(stitched.is_some(), session);
+            self.lately = (Instant::now(), 0, Times::default());
+        }
+    }
+
+    fn line(&self) -> String {
+        let mut line = format!("{:.1} Hz, latency {}", self.rate_hz, self.lately.2.text());
+        for (side, (_, health)) in ["left", "right"].iter().zip(self.eyes.iter().flatten()) {
+            let counts = health.counts();
+            if counts.dropped + counts.corrupt > 0 {
+                line += &format!(
+                    ", {side} {} dropped {} damaged",
+                    counts.dropped, counts.corrupt
+                );
+            }
+        }
+        if !self.note.is_empty() {
+            line += &format!(", {}", self.note);
+        }
+        line
+    }
+
+    fn set_status(&self, is_stitched: bool, session: Option<&Session>) {
+        let Some(preview) = &self.preview else {
+            return;
+        };
+        let statistics = &self.statistics;
+        let coverage = session.map(|session| {
+            let [left, right] = session.coverage();
+            json!({
+                "side": tectum_capture::Coverage::side(),
+                "left": left.cells(), "right": right.cells(),
+            })
+        });
+        let state = if self.shots == 0 {
+            "waiting for frames".to_owned()
+        } else if self.note.is_empty() {
+            format!("{:.1} Hz", self.rate_hz)
+        } else {
+            format!("{:.1} Hz, {}", self.rate_hz, self.note)
+        };
+        let status = json!({
+            "state": state,
+            "stitched": is_stitched,
+            "coverage": coverage,
+            "figures": {
+                "frame rate": format!("{:.1} Hz", self.rate_hz),
+                "latency": self.lately.2.text(),
+                "work for a frame": self.work.text(),
+                "frames": self.shots.to_string(),
+                "skipped for newer ones": statistics.late.to_string(),
+                "without a partner": format!(
+                    "left {}, right {}", statistics.alone[0], statistics.alone[1]
+                ),
+                "right after left": format!(
+                    "{:.2} ms", statistics.drift.mean_offset_ns() / 1e6
+                ),
+            },
+        });
+        preview.set_status(status);
+    }
+
+    /// Everything, for a person.
+    pub fn text(&self) -> String {
+        let seconds = self.start.elapsed().as_secs_f64();
+        let statistics = &self.statistics;
+        let mut text = format!(
+            "{} frames in {seconds:.1} s, {:.1} Hz; work {}",
+            self.shots,
+            self.shots as f64 / seconds.max(1e-9),
+            self.work.text()
+        );
+        if self.latency.count > 0 {
+            text += &format!("; latency {}", self.latency.text());
+        }
+        if statistics.pairs > 0 {
+            text += &format!(
+                "\n{} skipped for newer ones, without a partner left {} right {}; right after left \
+                 {:.2} ms (max {:.2})",
+                statistics.late,
+                statistics.alone[0],
+                statistics.alone[1],
+                statistics.drift.mean_offset_ns() / 1e6,
+                statistics.drift.greatest_offset_ns() as f64 / 1e6,
+            );
+        }
+        for (name, health) in self.eyes.iter().flatten() {
+            let counts = health.counts();
+            text += &format!(
+                "\n{name}: {} frames, {} dropped, {} damaged, {} times back",
+                counts.frames, counts.dropped, counts.corrupt, counts.reconnects
+            );
+        }
+        text
+    }
+
+    /// Everything, for a script.
+    pub fn json(&self) -> Value {
+        let statistics = &self.statistics;
+        let eye = |eye: &Option<(String, Arc<Health>)>| {
+            eye.as_ref()
+                .map(|(_, health)| counts_json(&health.counts()))
+        };
+        json!({
+            "frames": self.shots,
+            "seconds": self.start.elapsed().as_secs_f64(),
+            "work_ms": self.work.json(),
+            "latency_ms": (self.latency.count > 0).then(|| self.latency.json()),
+            "late": statistics.late,
+            "alone": statistics.alone,
+            "offset_ms": {
+                "mean": statistics.drift.mean_offset_ns() / 1e6,
+                "max": statistics.drift.greatest_offset_ns() as f64 / 1e6,
+            },
+            "drift_ppm": statistics.drift.ppm(),
+            "left": eye(&self.eyes[0]),
+            "right": eye(&self.eyes[1]),
+        })
+    }
+}

@@ -1,0 +1,214 @@
+#!/bin/sh
+# Runs as the first program of the virtual machine: two virtual cameras, the built tectum, and what
+# must come of it. Says "ok NAME" or "FAIL NAME: why" for each check and "PNG NAME BASE64" for
+# pictures that the host judges.
+/bin/busybox mkdir -p /proc /sys /dev /tmp
+/bin/busybox mount -t proc none /proc
+/bin/busybox mount -t sysfs none /sys
+/bin/busybox mount -t devtmpfs none /dev
+/bin/busybox mount -t tmpfs none /tmp
+export PATH=/usr/bin:/bin
+cd /tmp || exit 1
+
+ok() { echo "ok $1"; }
+fail() {
+    echo "FAIL $1: $2"
+    head -c 1500 /tmp/err 2>/dev/null | sed 's/^/  | /'
+}
+# run NAME COMMAND...: what must succeed; stdout in /tmp/out, stderr in /tmp/err.
+run() {
+    name=$1
+    shift
+    if timeout 60 "$@" >/tmp/out 2>/tmp/err; then ok "$name"; else fail "$name" "exit code $?"; fi
+}
+# refused NAME WORDS COMMAND...: what must fail with one message that holds WORDS.
+refused() {
+    name=$1 words=$2
+    shift 2
+    if timeout 60 "$@" >/tmp/out 2>/tmp/err; then
+        fail "$name" "it succeeded"
+    elif grep -q "$words" /tmp/err && ! grep -q panicked /tmp/err; then
+        ok "$name"
+    else
+        fail "$name" "no \"$words\""
+    fi
+}
+# field NAME FILE: the first number of that name in a JSON file.
+field() { sed -n "s/.*\"$1\":\([0-9.-]*\).*/\1/p" "$2" | head -n 1; }
+# counts EYE FIELD FILE: a counter of an eye.
+counts() { sed -n "s/.*\"$1\":{\([^}]*\)}.*/{\1}/p" "$3" | sed -n "s/.*\"$2\":\([0-9]*\).*/\1/p"; }
+# least NAME VALUE BOUND
+least() {
+    if [ "${2:-0}" -ge "$3" ]; then ok "$1 ($2)"; else fail "$1" "$2 where at least $3 was due"; fi
+}
+
+for module in $(cat /modules/order); do
+    case $module in
+    vivid.ko) insmod /modules/vivid.ko n_devs=2 node_types=0x101,0x101 ;;
+    *) insmod "/modules/$module" ;;
+    esac
+done
+mkdir -p /dev/v4l/by-id
+captures='' outputs=''
+for node in /dev/video*; do
+    if v4l2-ctl -d "$node" --info 2>/dev/null | sed '1,/Device Caps/d' | grep -q 'Video Capture'; then
+        captures="$captures $node"
+    else
+        outputs="$outputs $node"
+    fi
+done
+# shellcheck disable=SC2086
+set -- $captures
+A=$1 B=$2
+# shellcheck disable=SC2086
+set -- $outputs
+OUT_A=$1 OUT_B=$2
+ln -s "$A" /dev/v4l/by-id/left-eye
+ln -s "$B" /dev/v4l/by-id/right-eye
+L=/dev/v4l/by-id/left-eye R=/dev/v4l/by-id/right-eye
+echo "cameras $A $B, outputs $OUT_A $OUT_B"
+
+run 'the list' tectum capture --list
+if [ "$(grep -c by-id /tmp/out)" = 2 ]; then ok 'stable names'; else fail 'stable names' "$(cat /tmp/out)"; fi
+
+# The test pattern in every format, without text over it.
+for camera in "$A" "$B"; do
+    v4l2-ctl -d "$camera" --set-input=0 -c test_pattern=0,osd_text_mode=2 >/dev/null
+done
+for format in YUYV GREY RGB565 RGB3 NV12; do
+    run "stills in $format" tectum capture "stills-$format" --left "$L" --right "$R" --stills \
+        --frames 1 --frame-size 320x180 --pixel-format "$format" --rate 10
+    echo "PNG $format $(base64 -w 0 "stills-$format/left/0001.png")"
+done
+
+# Refusals.
+refused 'no such camera' 'no such camera' tectum capture x --left /dev/video77 --right "$R" --stills
+refused 'not a camera' 'not a camera' tectum capture x --left "$OUT_A" --right "$R" --stills
+refused 'no camera at all' 'not a camera' tectum capture x --left /dev/null --right "$R" --stills
+refused 'the same twice' 'the same camera' tectum capture x --left "$L" --right "$A" --stills
+refused 'MJPG' 'does not offer pixel format MJPG' tectum capture x --left "$L" --right "$R" \
+    --stills --pixel-format MJPG
+refused 'an odd size' 'does not offer' tectum capture x --left "$L" --right "$R" --stills \
+    --frame-size 321x181
+chmod 600 "$B" && chown 0 "$B"
+refused 'no permission' 'no permission' setpriv-nobody tectum capture x --left "$L" --right "$R" --stills
+v4l2-ctl -d "$A" --stream-mmap >/dev/null 2>&1 &
+streaming=$!
+sleep 1
+refused 'busy' 'busy' tectum capture x --left "$L" --right "$R" --stills
+kill $streaming
+wait $streaming 2>/dev/null
+mkdir full && mount -t tmpfs -o size=8m none full
+refused 'disk full' 'the disk is full' tectum capture full/x --left "$L" --right "$R" --record y4m --frames 2
+
+# Two pairs of formats that differ.
+refused 'different sizes' 'the two cameras differ' tectum capture x --left /left.y4m --right /small.y4m --stills
+
+# Exposure and gain alike.
+v4l2-ctl -d "$A" -c gain_automatic=0,gain=77 >/dev/null
+run 'locking' tectum capture locked --left "$L" --right "$R" --stills --frames 1 --lock
+if [ "$(v4l2-ctl -d "$B" -C gain)" = 'gain: 77' ]; then ok 'the same gain'; else
+    fail 'the same gain' "$(v4l2-ctl -d "$B" -C gain)"
+fi
+
+# Faults, each with a stream of its own that goes on until it has seen enough.
+stream() {
+    tectum capture "$1" --left "$L" --right "$R" --record y4m --frame-size 320x180 \
+        --pixel-format GREY --rate 25 --seconds "$2" --json >"$1.json" 2>"$1.err" &
+    recorder=$!
+    sleep 2
+}
+finish() {
+    if wait $recorder; then ok "$1: goes on"; else
+        cp "$1.err" /tmp/err
+        fail "$1: goes on" "exit code $?"
+    fi
+    least "$1: pairs" "$(field frames "$1.json")" "$2"
+}
+fault() { v4l2-ctl -d "$A" -c "$1" >/dev/null 2>&1; }
+
+stream lost 8
+fault percentage_of_dropped_buffers=40
+sleep 3
+fault percentage_of_dropped_buffers=0
+finish lost 20
+least 'lost: counted' "$(counts left dropped lost.json)" 5
+
+stream marked 5
+fault inject_v4l2_buf_flag_error=1
+finish marked 10
+least 'marked: counted' "$(counts left corrupt marked.json)" 1
+
+stream fatal 9
+fault inject_fatal_streaming_error=1
+finish fatal 10
+least 'fatal: came back' "$(counts left reconnects fatal.json)" 1
+
+stream requeue 9
+fault inject_vidioc_qbuf_error=1
+finish requeue 10
+least 'requeue: came back' "$(counts left reconnects requeue.json)" 1
+
+stream away 12
+fault inject_vidioc_streamon_error=1
+fault inject_vidioc_reqbufs_error=1
+fault disconnect=1
+finish away 10
+least 'away: came back' "$(counts left reconnects away.json)" 1
+
+for camera in "$A" "$B"; do v4l2-ctl -d "$camera" -c timestamp_wrap_around=1 >/dev/null 2>&1 ||
+    v4l2-ctl -d "$camera" -c wrap_timestamp=1 >/dev/null 2>&1; done
+stream wrap 20
+finish wrap 100
+for camera in "$A" "$B"; do v4l2-ctl -d "$camera" -c wrap_timestamp=0 >/dev/null 2>&1; done
+fault wrap_sequence_number=1
+stream sequence 5
+finish sequence 10
+fault wrap_sequence_number=0
+
+# Many pairs: what is resident must not grow.
+tectum stitch /eyes-small.tct --live --left "$L" --right "$R" --pixel-format GREY --rate 60 \
+    -o /dev/null --frames 1000 --json >many.json 2>many.err &
+many=$!
+sleep 5
+before=$(sed -n 's/VmRSS:[^0-9]*\([0-9]*\).*/\1/p' /proc/$many/status)
+after=$before
+while [ -d /proc/$many ] && [ "$(sed -n 's/State:[^A-Z]*\(.\).*/\1/p' /proc/$many/status)" != Z ]; do
+    now=$(sed -n 's/VmRSS:[^0-9]*\([0-9]*\).*/\1/p' /proc/$many/status 2>/dev/null)
+    after=${now:-$after}
+    sleep 1
+done
+wait $many || { cp many.err /tmp/err; fail 'a thousand pairs' "exit code $?"; }
+least 'a thousand pairs' "$(field frames many.json)" 1000
+if [ "$after" -le $((before + 1024)) ]; then ok "memory is flat ($before, $after kB)"; else
+    fail 'memory is flat' "$before kB became $after kB"
+fi
+
+# Real frames through the drivers' own loop, byte for byte.
+loop() {
+    v4l2-ctl -d "$2" --set-output=1 >/dev/null
+    v4l2-ctl -d "$2" --set-dv-bt-timings index=0 >/dev/null
+    v4l2-ctl -d "$2" --set-fmt-video-out=width=640,height=480,pixelformat=YUYV >/dev/null
+    v4l2-ctl -d "$1" --set-input=3 -c loop_video=1,osd_text_mode=2 >/dev/null
+    v4l2-ctl -d "$2" --stream-out-mmap --stream-from="$3" --stream-loop >/dev/null 2>&1 &
+    sleep 1
+    v4l2-ctl -d "$1" --set-dv-bt-timings query >/dev/null
+}
+loop "$A" "$OUT_A" /left.yuyv
+loop "$B" "$OUT_B" /right.yuyv
+sleep 2
+run 'stitching from cameras' tectum stitch /eyes.tct --live --left "$L" --right "$R" \
+    --pixel-format YUYV -o live.y4m --frames 8
+run 'stitching from files' tectum stitch /eyes.tct --live --left /left.y4m --right /right.y4m \
+    -o files.y4m
+# Without the headers, whose frame rates differ; the first frames may come before the loop runs.
+frame_bytes=$((640 * 320 * 2))
+tail -c $frame_bytes live.y4m >live.raw
+tail -c $frame_bytes files.y4m >files.raw
+if cmp -s live.raw files.raw && [ "$(wc -c <live.raw)" = $frame_bytes ]; then
+    ok 'cameras and files give the same bytes'
+else
+    fail 'cameras and files give the same bytes' "$(cmp live.raw files.raw 2>&1)"
+fi
+echo done
+poweroff -f
