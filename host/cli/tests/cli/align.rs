@@ -99,7 +99,6 @@ fn what_cannot_be_is_refused() {
         &format!("align fish.tct --rig rig.toml --board-right left.png {BOARD}"),
         "not on the fish's right side",
     );
-    // The same board on both sides cannot be level with the body's origin two rows apart.
     refused(
         &format!("{align} --board-left right.png {BOARD}"),
         "not on the fish's left side",
@@ -107,6 +106,12 @@ fn what_cannot_be_is_refused() {
     refused(
         &format!("align fish.tct --rig rig.toml --board-left left/left.png {BOARD}"),
         "the picture is 240x240 px",
+    );
+    let blank = image::GrayImage::from_pixel(640, 320, image::Luma([90]));
+    blank.save(bench.path("blank.png")).unwrap();
+    refused(
+        &format!("align fish.tct --rig rig.toml --board-left blank.png {BOARD}"),
+        "no chessboard found",
     );
     std::fs::copy(bench.path("rig.toml"), bench.path("other.toml")).unwrap();
     let text = std::fs::read_to_string(bench.path("rig.toml")).unwrap();

@@ -12,6 +12,7 @@ mod design;
 mod detect;
 mod live;
 mod matching;
+mod motion;
 mod page;
 mod register;
 mod verbs;
