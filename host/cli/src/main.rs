@@ -2,6 +2,7 @@
 
 mod areas;
 mod args;
+mod boards;
 mod detecting;
 mod draw;
 mod files;
