@@ -104,6 +104,14 @@ impl Distance {
         }
     }
 
+    /// A better one that was not taken, in a few words.
+    pub fn hint(&self) -> Option<String> {
+        let found = self.found.as_ref().filter(|found| found.is_clear)?;
+        self.wanted
+            .is_none()
+            .then(|| format!("the pictures ask for {}", named(found.distance_m)))
+    }
+
     /// The same for a script.
     pub fn json(&self) -> Value {
         json!({

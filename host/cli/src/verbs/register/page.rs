@@ -101,7 +101,7 @@ fn figures(done: &Done) -> Vec<Figure> {
     add(
         named(done.distance.metres()),
         "stitch distance",
-        String::new(),
+        done.distance.hint().unwrap_or_default(),
     );
     if let Some(colour) = &done.appearance.colour {
         add(
