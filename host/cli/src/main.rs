@@ -2,6 +2,7 @@
 
 mod areas;
 mod args;
+mod boards;
 mod cameras;
 mod detecting;
 mod directions;

@@ -42,6 +42,11 @@ impl Progress {
         self.0.suspend(|| eprintln!("{line}"));
     }
 
+    /// Makes the bar longer.
+    pub fn more(&self, steps: usize) {
+        self.0.inc_length(steps as u64);
+    }
+
     /// Begins the next step.
     pub fn step(&self, what: impl Into<Cow<'static, str>>) {
         self.0.set_message(what);

@@ -14,6 +14,7 @@ pub mod align;
 mod bspline;
 pub mod colour;
 mod correspondence;
+pub mod distance;
 pub mod epipolar;
 pub mod features;
 pub mod matching;

@@ -142,7 +142,7 @@ fn features_beside_opencv() {
 fn registered(folder: &Path, cameras: [usize; 2]) -> [f64; 2] {
     let rig = published(folder, cameras);
     let shots = [1, 2, 3].map(|frame| shot(folder, cameras, frame));
-    let found = markerless(&rig, &shots, &MarkerlessOptions::default())
+    let found = markerless(&rig, &shots, &MarkerlessOptions::default(), &|_| ())
         .unwrap_or_else(|error| panic!("{cameras:?}: {error}"));
     let eyes = Overlap::new(&rig, 0.0).expect("two eyes").eyes;
     let (Baseline::Towards(a), Baseline::Towards(b)) =
@@ -190,7 +190,12 @@ fn swapped_eyes_are_refused() {
     // Neighbours: what is forward of one is behind the other.
     let [left, right] = shot(&folder, PAIRS[2], 2);
     let rig = published(&folder, PAIRS[2]);
-    let refused = markerless(&rig, &[[right, left]], &MarkerlessOptions::default());
+    let refused = markerless(
+        &rig,
+        &[[right, left]],
+        &MarkerlessOptions::default(),
+        &|_| (),
+    );
     println!("{:?}", refused.as_ref().map(|found| found.turned_rad));
     let error = refused.expect_err("left and right are swapped");
     println!("{error}");
@@ -206,16 +211,19 @@ fn pictures_that_share_nothing_are_refused() {
     let [width, height] = [left.width(), left.height()];
     let black = GrayImage::new(width, height);
     let options = MarkerlessOptions::default();
-    let refused = markerless(&rig, &[[left, black]], &options).unwrap_err();
+    let refused = markerless(&rig, &[[left, black]], &options, &|_| ()).unwrap_err();
     assert!(
         matches!(refused, EpipolarError::TooFew { agreeing: 0, .. }),
         "{refused}"
     );
     let small = [GrayImage::new(width, height), GrayImage::new(3, 4)];
-    let refused = markerless(&rig, &[small], &options).unwrap_err();
+    let refused = markerless(&rig, &[small], &options, &|_| ()).unwrap_err();
     assert!(
         refused.to_string().contains("the right picture is 3x4 px"),
         "{refused}"
     );
-    assert_eq!(markerless(&rig, &[], &options), Err(EpipolarError::NoShots));
+    assert_eq!(
+        markerless(&rig, &[], &options, &|_| ()),
+        Err(EpipolarError::NoShots)
+    );
 }

@@ -37,6 +37,18 @@ fn matchers_are_measured_and_drawn() {
     }
     let (width, height) = bench.picture_size("found.png");
     assert!(width == 1800 && height > 4 * 900, "{height}");
+    // The pool has no board: the row is there, empty, and says why.
+    let board = "--board 8x6 --square-mm 30";
+    let json = bench.json(&format!(
+        "match rig.toml {PAIR} --matcher orb --raw {board}"
+    ));
+    let row = &json["rows"][1];
+    assert_eq!(
+        (&row["matcher"], &row["matches"]),
+        (&"boards".into(), &0.into())
+    );
+    let refused = json["refused"][0].as_str().unwrap();
+    assert!(refused.starts_with("pair 1: "), "{refused}");
     let text = bench.done(&format!("match rig.toml {PAIR} --matcher orb --raw"));
     assert_eq!(text.lines().count(), 2, "{text}");
     assert!(

@@ -41,6 +41,34 @@ fn colours_and_seam_of_the_pool_are_found_baked_and_verified() {
 }
 
 #[test]
+fn the_stitch_distance_is_the_rigs_the_pictures_or_the_one_asked_for() {
+    let bench = Bench::with_pictures();
+    let register = "register rig.toml --left left.png --right right.png --keep-poses --no-seam \
+                    --tone none -o eyes.toml";
+    let kept = bench.json(register);
+    let own = kept["distance"]["of_rig_m"].as_f64().unwrap();
+    assert_eq!(kept["distance"]["metres"].as_f64(), Some(own));
+    let asked = bench.json(&format!("{register} --distance 1.25"));
+    assert_eq!(asked["distance"]["metres"], 1.25);
+    let rig = std::fs::read_to_string(bench.path("eyes.toml")).unwrap();
+    assert!(rig.contains("stitch_distance_m = 1.25"), "{rig}");
+    let auto = bench.json(&format!("{register} --distance auto"));
+    let found = &auto["distance"]["pictures"];
+    // What is taken is what was found, or nothing was found.
+    let clear = found["is_clear"].as_bool().unwrap();
+    let expected = if clear {
+        &found["distance_m"]
+    } else {
+        &kept["distance"]["metres"]
+    };
+    assert_eq!(&auto["distance"]["metres"], expected, "{auto}");
+    let refused = bench.refused(2, &format!("{register} --distance near"));
+    assert!(refused.contains("metres such as 1.5"), "{refused}");
+    let refused = bench.refused(1, &format!("{register} --distance 0.001"));
+    assert!(refused.contains("stitch_distance_m"), "{refused}");
+}
+
+#[test]
 fn wrong_pictures_are_refused_in_a_sentence() {
     let bench = Bench::with_pictures();
     for (arguments, part) in [

@@ -43,6 +43,14 @@ impl Rig {
         })
     }
 
+    /// The rig whose outputs are joined at another distance, m; may be infinite.
+    ///
+    /// # Errors
+    /// [`RigError`] if the distance is not beyond both eyes.
+    pub fn with_stitch_distance(&self, distance_m: f64) -> Result<Self, RigError> {
+        self.edited(|file| file.stitch_distance_m = distance_m)
+    }
+
     /// The rig with other seam, tone and warp, and the files that hold them.
     #[must_use]
     pub fn with_stitching(&self, stitching: Stitching, named: StitchingFile) -> Self {

@@ -10,7 +10,7 @@ use super::grid::Grid;
 use super::lattice::Lattice;
 use super::matching::{Match, Pyramids, matches};
 use super::pieces::{Piece, pieces};
-use super::score::{mean, seam_pixels, similarities};
+use super::score::{edge_excess, mean, seam_pixels, similarities};
 use super::taper::{fade, reach_px};
 use super::{AlignOptions, Warp};
 use crate::seam::{Overlap, Seam, band};
@@ -46,6 +46,11 @@ pub struct AlignSummary {
     pub ssim_before: f64,
     /// The same of the seam after; never less.
     pub ssim_after: f64,
+    /// Step that the seam itself makes in the first shot, grey levels, 0 or less if it is not seen
+    /// ([`crate::seam::Quality::edge_excess`]), before; `None` where too little of it shows.
+    pub edge_excess_before: Option<f64>,
+    /// The same after; where it is above 0, never more than before.
+    pub edge_excess_after: Option<f64>,
     /// The bad pieces of the seam before.
     pub pieces: Vec<PieceSummary>,
     /// Greatest bend of an eye, deg.
@@ -100,11 +105,14 @@ pub fn align(
         similar: &similar,
         pieces: &found,
     };
+    let edge = edge_excess(grid, &before[0], &seam);
     let mut summary = AlignSummary {
         shots: shots.len(),
         seam_px: pixels.len(),
         ssim_before: mean(similar.iter().copied()),
         ssim_after: mean(similar.iter().copied()),
+        edge_excess_before: edge,
+        edge_excess_after: edge,
         pieces: found.iter().map(|piece| work.summary(piece)).collect(),
         greatest_deg: 0.0,
     };
@@ -118,8 +126,15 @@ pub fn align(
         let pixels = seam_pixels(grid, &views, &again.cut.left);
         let similar = similarities(grid, &views, &pixels);
         let after = mean(similar.iter().copied());
-        if after >= summary.ssim_before {
+        let edge_after = edge_excess(grid, &views[0], &again);
+        // Similarity does not feel a step: one that shows must not grow, nor a hidden one show.
+        let is_hidden = match (edge, edge_after) {
+            (Some(before), Some(after)) => after <= before.max(0.0),
+            _ => true,
+        };
+        if after >= summary.ssim_before && is_hidden {
             summary.ssim_after = after;
+            summary.edge_excess_after = edge_after;
             summary.greatest_deg = warp.greatest_deg;
             return Ok(Alignment {
                 warp: Some(warp),

@@ -1,8 +1,10 @@
 //! How alike both eyes are along a seam.
 
+use rayon::prelude::*;
+
 use super::grid::Grid;
 use crate::Views;
-use crate::seam::{Gray, ssim_map};
+use crate::seam::{Gray, Quality, Seam, ssim_map};
 
 /// Radius of the patches that similarity is averaged over, px: 21x21 as in Liao et al. 2023.
 pub(super) const PATCH_RADIUS_PX: i64 = 10;
@@ -46,6 +48,29 @@ pub(super) fn similarities(grid: &Grid, shots: &[Views], pixels: &[usize]) -> Ve
     }
     let count = shots.len().max(1) as f64;
     sums.into_iter().map(|sum| sum / count).collect()
+}
+
+/// The step that a seam itself makes in a shot ([`Quality::edge_excess`]), mixed by its shares as the
+/// core does it; `None` where too little of the cut shows.
+pub(super) fn edge_excess(grid: &Grid, shot: &Views, seam: &Seam) -> Option<f64> {
+    let width = grid.size_px[0];
+    let share = |i: usize| match [0, 1].map(|eye: usize| shot.eyes[eye].seen[i]) {
+        [true, true] => {
+            let ray = grid.direction([i % width, i / width].map(|p| p as f64));
+            seam.shares.at(&ray) as f32
+        }
+        [left, _] => f32::from(u8::from(left)),
+    };
+    let shares: Vec<f32> = (0..grid.size_px[1] * width)
+        .into_par_iter()
+        .map(share)
+        .collect();
+    let [left, right] = [0, 1].map(|eye: usize| &shot.eyes[eye].colours);
+    let mixed =
+        |i: usize| [0, 1, 2].map(|c: usize| right[i][c] + shares[i] * (left[i][c] - right[i][c]));
+    let mixed: Vec<[f32; 3]> = (0..shares.len()).map(mixed).collect();
+    let owns: Vec<bool> = shares.iter().map(|share| *share > 0.5).collect();
+    Quality::measure(shot, &mixed, &owns).map(|quality| quality.edge_excess)
 }
 
 /// Mean; 0 of nothing.

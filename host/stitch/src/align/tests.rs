@@ -114,6 +114,9 @@ fn what_stands_before_the_wall_is_brought_together_and_baked() {
     for piece in summary.pieces.iter().filter(|p| p.accepted) {
         assert!(piece.ssim_after > piece.ssim_before, "{piece:?}");
     }
+    let [before, after] =
+        [summary.edge_excess_before, summary.edge_excess_after].map(Option::unwrap);
+    assert!(after <= before.max(0.0), "{summary:?}");
     // Each eye's half of the parallax: 30 mm at 1.2 m less 30 mm at 3 m are 0.86 degrees; the
     // spline overshoots a little at a step.
     assert!(

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use tectum_optics::{Rig, RigEye};
 
 use super::pose::rotation_between;
+use super::regions::scatter;
 use super::selection::rotation_suffices;
 use super::{
     EpipolarError, Model, RansacOptions, RansacResult, RayCheck, RayPair, Refined, RelativePose,
@@ -22,7 +23,8 @@ pub struct MarkerlessOptions {
     pub threshold_rad: f64,
     /// Matches that must agree.
     pub least_inliers: usize,
-    /// Greatest standard error of the rotation about any axis, rad.
+    /// Greatest standard error of the rotation about any axis, rad. Lenses calibrated to 0.2 degrees
+    /// at their rims leave 0.1 to 0.4.
     pub most_error_rad: f64,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -34,7 +36,7 @@ impl Default for MarkerlessOptions {
             most_turn_rad: 10f64.to_radians(),
             threshold_rad: 0.4f64.to_radians(),
             least_inliers: 20,
-            most_error_rad: 0.3f64.to_radians(),
+            most_error_rad: 0.6f64.to_radians(),
             seed: 0,
         }
     }
@@ -45,8 +47,9 @@ impl Default for MarkerlessOptions {
 pub struct Markerless {
     /// The pose.
     pub pose: RelativePose,
-    /// Standard errors of a further rotation about the left camera's x, y, z, rad. They tell what
-    /// the scatter of the matches does, not what a wrong lens calibration does.
+    /// Standard errors of a further rotation about the left camera's x, y, z, rad: how the pose
+    /// scatters as one region of the picture after another is left out, so that what the lenses'
+    /// calibration misses counts; by the scatter of the matches alone where they lie in one region.
     pub rotation_standard_error_rad: Vector3<f64>,
     /// The same about the axis that is known worst, rad.
     pub worst_rotation_error_rad: f64,
@@ -66,6 +69,8 @@ pub struct Markerless {
 const MOST_RIVAL_SHARE: f64 = 0.8;
 /// Rounds of matching along the planes of the pose so far.
 const GUIDED_ROUNDS: usize = 2;
+/// Times that [`markerless`] looks at each shot.
+pub const MARKERLESS_PASSES: usize = 1 + GUIDED_ROUNDS;
 
 /// The pose of the right eye relative to the left from pictures that both took at the same time.
 ///
@@ -73,44 +78,67 @@ const GUIDED_ROUNDS: usize = 2;
 /// all shots agree on, then upright features on a common tile are matched along its epipolar planes
 /// and the pose is refined over all of them.
 ///
+/// `watch` is told each shot's number before it is looked at, [`MARKERLESS_PASSES`] times in all.
+///
 /// # Errors
 /// [`EpipolarError`] if pictures do not fit, the eyes share too little, or no pose can be trusted.
 pub fn markerless(
     rig: &Rig,
     shots: &[Eyes<GrayImage>],
     options: &MarkerlessOptions,
+    watch: &dyn Fn(usize),
 ) -> Result<Markerless, EpipolarError> {
-    let overlap = Overlap::new(rig, options.most_turn_rad).ok_or(EpipolarError::OneEye)?;
+    let overlap = overlap(rig, options)?;
     let eyes = overlap.eyes.clone();
     check_sizes(&eyes, shots)?;
     if shots.is_empty() {
         return Err(EpipolarError::NoShots);
     }
-    if !overlap.exists() {
-        return Err(EpipolarError::NoOverlap);
-    }
     let detector = Detector::new(Matcher::RootSift, None)?;
-    let mut matches = Vec::new();
+    let mut raw_matches = Vec::new();
     for (shot, pictures) in shots.iter().enumerate() {
+        watch(shot);
         let features = shot_features(&overlap, pictures.each_ref(), &detector, View::Raw)?;
-        matches.extend(correspond(&features, shot, LOWE_RATIO));
+        raw_matches.extend(correspond(&features, shot, LOWE_RATIO));
     }
-    let mut pose = first_pose(&eyes, &matches, options)?;
-    let turned_rad =
-        |pose: &RelativePose| rotation_between(&RelativePose::of(&eyes).rotation, &pose.rotation);
-    check_turn(turned_rad(&pose), options)?;
-    let raw_matches = matches.clone();
+    let mut pose = first_pose(&eyes, &raw_matches, options)?;
+    check_turn(&eyes, &pose, options)?;
+    let mut matches = Vec::new();
     for _ in 0..GUIDED_ROUNDS {
         matches = raw_matches.clone();
         for (shot, pictures) in shots.iter().enumerate() {
+            watch(shot);
             let band = RayCheck::default();
             let more = guided::correspond(&eyes, &pose, pictures.each_ref(), shot, &band)?;
             matches.extend(more);
         }
         pose = refined(&eyes, &matches, &pose, options)?.pose;
     }
-    let fine = refined(&eyes, &matches, &pose, options)?;
-    finish(&eyes, matches, &fine, turned_rad(&fine.pose), options)
+    finish(&eyes, matches, &pose, options)
+}
+
+/// The pose of the right eye relative to the left from matches of whatever kind: the one that most
+/// agree on, refined over all of them.
+///
+/// # Errors
+/// [`EpipolarError`] if the eyes share too little, or no pose can be trusted.
+pub fn pose_of_matches(
+    rig: &Rig,
+    matches: Vec<Correspondence>,
+    options: &MarkerlessOptions,
+) -> Result<Markerless, EpipolarError> {
+    let eyes = overlap(rig, options)?.eyes;
+    let pose = first_pose(&eyes, &matches, options)?;
+    check_turn(&eyes, &pose, options)?;
+    finish(&eyes, matches, &pose, options)
+}
+
+fn overlap(rig: &Rig, options: &MarkerlessOptions) -> Result<Overlap, EpipolarError> {
+    let overlap = Overlap::new(rig, options.most_turn_rad).ok_or(EpipolarError::OneEye)?;
+    match overlap.exists() {
+        true => Ok(overlap),
+        false => Err(EpipolarError::NoOverlap),
+    }
 }
 
 fn check_sizes(eyes: &Eyes<RigEye>, shots: &[Eyes<GrayImage>]) -> Result<(), EpipolarError> {
@@ -133,14 +161,20 @@ fn check_sizes(eyes: &Eyes<RigEye>, shots: &[Eyes<GrayImage>]) -> Result<(), Epi
     Ok(())
 }
 
-fn check_turn(turned_rad: f64, options: &MarkerlessOptions) -> Result<(), EpipolarError> {
+/// How far the rotation is from the rig's, rad, if that is believed.
+fn check_turn(
+    eyes: &Eyes<RigEye>,
+    pose: &RelativePose,
+    options: &MarkerlessOptions,
+) -> Result<f64, EpipolarError> {
+    let turned_rad = rotation_between(&RelativePose::of(eyes).rotation, &pose.rotation);
     if turned_rad > options.most_turn_rad {
         return Err(EpipolarError::FarFromRig {
             turned_deg: turned_rad.to_degrees(),
             most_deg: options.most_turn_rad.to_degrees(),
         });
     }
-    Ok(())
+    Ok(turned_rad)
 }
 
 fn pairs(eyes: &Eyes<RigEye>, matches: &[Correspondence]) -> Vec<RayPair> {
@@ -199,20 +233,19 @@ fn refined(
     pose: &RelativePose,
     options: &MarkerlessOptions,
 ) -> Result<Refined, EpipolarError> {
-    let refined = refine(&pairs(eyes, matches), pose, 1.5 * options.threshold_rad);
-    refined.ok_or(EpipolarError::Uncertain {
-        error_deg: f64::INFINITY,
-        most_deg: options.most_error_rad.to_degrees(),
-    })
+    let refined = refine(&pairs(eyes, matches), pose, options.cut_rad());
+    refined.ok_or(options.uncertain(f64::INFINITY))
 }
 
+/// Refines the pose, and says how sure it is.
 fn finish(
     eyes: &Eyes<RigEye>,
     matches: Vec<Correspondence>,
-    fine: &Refined,
-    turned_rad: f64,
+    pose: &RelativePose,
     options: &MarkerlessOptions,
 ) -> Result<Markerless, EpipolarError> {
+    let fine = refined(eyes, &matches, pose, options)?;
+    let turned_rad = check_turn(eyes, &fine.pose, options)?;
     let all = matches.len();
     let (inliers, squares): (Vec<Correspondence>, Vec<f64>) = matches
         .into_iter()
@@ -228,23 +261,40 @@ fn finish(
             needed: options.least_inliers,
         });
     }
-    if fine.worst_rotation_error_rad.is_nan()
-        || fine.worst_rotation_error_rad > options.most_error_rad
-    {
-        return Err(EpipolarError::Uncertain {
-            error_deg: fine.worst_rotation_error_rad.to_degrees(),
-            most_deg: options.most_error_rad.to_degrees(),
-        });
-    }
-    check_turn(turned_rad, options)?;
-    Ok(Markerless {
+    let mut found = Markerless {
         pose: fine.pose,
         rotation_standard_error_rad: fine.rotation_standard_error_rad,
         worst_rotation_error_rad: fine.worst_rotation_error_rad,
         baseline_standard_error_rad: fine.baseline_standard_error_rad,
         rms_rad: libm::sqrt(squares.iter().sum::<f64>() / squares.len() as f64),
-        inliers,
         matches: all,
         turned_rad,
-    })
+        inliers,
+    };
+    if let Some(scatter) = scatter(&pairs(eyes, &found.inliers), &fine.pose, options.cut_rad()) {
+        let covariance = scatter.rotation;
+        found.rotation_standard_error_rad = covariance.diagonal().map(libm::sqrt);
+        found.worst_rotation_error_rad =
+            libm::sqrt(covariance.symmetric_eigenvalues().max().max(0.0));
+        found.baseline_standard_error_rad = scatter.baseline_rad;
+    }
+    let error_rad = found.worst_rotation_error_rad;
+    if error_rad.is_nan() || error_rad > options.most_error_rad {
+        return Err(options.uncertain(error_rad));
+    }
+    Ok(found)
+}
+
+impl MarkerlessOptions {
+    /// Residuals beyond this are forgotten, rad.
+    fn cut_rad(&self) -> f64 {
+        1.5 * self.threshold_rad
+    }
+
+    fn uncertain(&self, error_rad: f64) -> EpipolarError {
+        EpipolarError::Uncertain {
+            error_deg: error_rad.to_degrees(),
+            most_deg: self.most_error_rad.to_degrees(),
+        }
+    }
 }

@@ -13,10 +13,13 @@ mod error;
 mod five_point;
 mod guided;
 mod markerless;
+#[cfg(test)]
+mod markerless_tests;
 mod pose;
 mod ransac;
 mod rays;
 mod refine;
+mod regions;
 mod rotation_only;
 mod selection;
 #[cfg(test)]
@@ -24,7 +27,9 @@ mod tests;
 
 pub use check::{Consistency, RayCheck};
 pub use error::EpipolarError;
-pub use markerless::{Markerless, MarkerlessOptions, markerless};
+pub use markerless::{
+    MARKERLESS_PASSES, Markerless, MarkerlessOptions, markerless, pose_of_matches,
+};
 pub use pose::{Baseline, RelativePose};
 pub use ransac::{RansacOptions, RansacResult, ransac};
 pub use rays::RayPair;

@@ -8,28 +8,19 @@ use crate::Eyes;
 /// Share of the ties that must fit once the fault is undone.
 const FITS: f64 = 0.5;
 
-/// Undoes one fault after another; the first whose absence makes most ties fit, close to where the
-/// rig has its eyes, is the error.
+/// Undoes one fault after another; the one whose absence makes most ties fit, close to where the rig
+/// has its eyes, is the error.
 pub fn fault(
     mount: &Mount<'_>,
     ties: &[Tie],
     sample: &Sample<'_>,
     options: &Options,
 ) -> Option<RegistrationError> {
-    let faults = [
-        (true, [false, false], RegistrationError::Swapped),
-        (false, [true, true], RegistrationError::Swapped),
-        (false, [true, false], RegistrationError::Mirrored("left")),
-        (false, [false, true], RegistrationError::Mirrored("right")),
-    ];
-    let found = faults.into_iter().find(|(swapped, mirrored, _)| {
-        let repaired: Vec<Tie> = ties
+    let explains = |swapped: bool, mirrored: Eyes<bool>| {
+        let repaired = ties
             .iter()
-            .map(|tie| repaired(mount, tie, *swapped, mirrored))
-            .collect();
-        let with_rays = repaired
-            .into_iter()
-            .filter_map(|tie| Some((tie, mount.rays(&tie, [0.0; 2])?)));
+            .map(|tie| repaired(mount, tie, swapped, &mirrored));
+        let with_rays = repaired.filter_map(|tie| Some((tie, mount.rays(&tie, [0.0; 2])?)));
         let (repaired, rays): (Vec<Tie>, Vec<Rays>) = with_rays.unzip();
         let sample = Sample {
             ties: &repaired,
@@ -41,8 +32,17 @@ pub fn fault(
                 consensus.count() as f64 >= FITS * ties.len() as f64
                     && consensus.turn_rad(&sample.rotations) <= options.most_turn_rad
             })
-    });
-    found.map(|(_, _, error)| error)
+    };
+    match [explains(true, [false; 2]), explains(false, [true; 2])] {
+        [true, true] => return Some(RegistrationError::SwappedOrMirrored),
+        [true, false] => return Some(RegistrationError::Swapped),
+        [false, true] => return Some(RegistrationError::Mirrored("left and right")),
+        [false, false] => {}
+    }
+    let one = [("left", [true, false]), ("right", [false, true])];
+    one.into_iter()
+        .find(|(_, mirrored)| explains(false, *mirrored))
+        .map(|(eye, _)| RegistrationError::Mirrored(eye))
 }
 
 fn repaired(mount: &Mount<'_>, tie: &Tie, swapped: bool, mirrored: &Eyes<bool>) -> Tie {

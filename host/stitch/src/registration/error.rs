@@ -46,14 +46,20 @@ pub enum RegistrationError {
         /// Pairs.
         pairs: usize,
     },
+    /// The pictures of the eyes are swapped.
+    #[error(
+        "the eyes are swapped: the left pictures fit the right eye, and the right ones the left; give \
+         them the other way round"
+    )]
+    Swapped,
     /// The pictures of the eyes are swapped, or all of them are mirrored: before a symmetric rig that
     /// is the same.
     #[error(
         "the eyes are swapped (the left pictures fit the right eye, the right ones the left), or all \
-         pictures are mirrored"
+         pictures are mirrored; this rig's eyes are alike, so that points cannot tell which"
     )]
-    Swapped,
-    /// One eye's pictures are mirrored.
+    SwappedOrMirrored,
+    /// Pictures are mirrored: "left", "right" or "left and right".
     #[error("the {0} pictures are mirrored: turn off mirroring in the camera or the tool")]
     Mirrored(&'static str),
     /// The eyes are not where the rig says, by far.

@@ -13,6 +13,9 @@
 //!   direction demands is allowed of it, held by a prior, and the body frame stays put;
 //! - scales stay within 5 %, and near 1 as far as the lenses' calibration is sure.
 //!
+//! [`register_pose`] takes the pose that natural features gave on their own: with them, a baseline
+//! held where the rig has it would turn the eyes for every fault of the lenses.
+//!
 //! [`planar`] is the paper's own way, a homography between two pictures.
 
 mod bfgs;
@@ -20,6 +23,7 @@ mod boards;
 mod consensus;
 mod diagnose;
 mod error;
+mod from_pose;
 mod measure;
 mod parallax;
 pub mod planar;
@@ -36,9 +40,10 @@ use tectum_optics::{Pose, Rig, RigEye};
 use crate::Eyes;
 use consensus::{Consensus, Sample};
 pub use error::RegistrationError;
+pub use from_pose::register_pose;
 pub use measure::ShotFit;
 use measure::{angle_rad, px_per_rad};
-pub use parallax::Parallax;
+pub use parallax::{Parallax, parallax_at};
 use refine::Problem;
 use tie::{Mount, Rays};
 pub use tie::{Range, Tie};
@@ -112,8 +117,6 @@ pub struct Registration {
     pub lens_scales: Eyes<f64>,
     /// Distance between the eyes, m.
     pub baseline_m: f64,
-    /// What parallax leaves at other ranges than the stitch distance.
-    pub parallax: Vec<Parallax>,
 }
 
 /// Registers the eyes of a rig. A rig whose poses come from a calibration is refined; one with rough
@@ -212,7 +215,6 @@ pub fn register(
         turn_standard_error_deg: sigma_rad.ok_or(RegistrationError::Degenerate)?.to_degrees(),
         lens_scales: scales,
         baseline_m: mount.baseline().norm(),
-        parallax: parallax::table(mount.baseline().norm(), rig.stitch_distance_m),
     };
     registration.measure(&mount, &ranged, &look);
     Ok(registration)

@@ -17,7 +17,7 @@ pub struct Parallax {
 const RANGES_M: [f64; 9] = [0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, f64::INFINITY];
 
 /// Parallax of eyes `baseline_m` apart whose pictures are joined at `stitch_distance_m`.
-pub fn table(baseline_m: f64, stitch_distance_m: f64) -> Vec<Parallax> {
+pub fn parallax_at(baseline_m: f64, stitch_distance_m: f64) -> Vec<Parallax> {
     let at = |range_m: f64| Parallax {
         range_m,
         angle_deg: (baseline_m * (1.0 / range_m - 1.0 / stitch_distance_m)).to_degrees(),

@@ -237,15 +237,28 @@ fn faults_are_named() {
             ranges_m.swap(0, 1);
         }
     };
-    assert_eq!(refused(&changed(&swap)), RegistrationError::Swapped);
+    let either = RegistrationError::SwappedOrMirrored;
+    assert_eq!(refused(&changed(&swap)), either);
     let mirror = |tie: &mut Tie| {
         flip(&mut tie.pair.left_px);
         flip(&mut tie.pair.right_px);
     };
     let mirrored = refused(&changed(&mirror));
-    assert_eq!(mirrored, RegistrationError::Swapped);
+    assert_eq!(mirrored, either);
     let mirrored = refused(&changed(&|tie| flip(&mut tie.pair.right_px)));
     assert_eq!(mirrored, RegistrationError::Mirrored("right"));
+    // Eyes of different lenses tell what was done.
+    let unlike = truth.to_toml().unwrap().replacen("259.740867", "230.0", 1);
+    let unlike = Rig::from_toml(&unlike, "unlike").unwrap();
+    let of_unlike = board_ties(&unlike, &unlike, 0.4, 6, &mut noise);
+    let refused_of_unlike = |change: &dyn Fn(&mut Tie)| {
+        let mut ties = of_unlike.clone();
+        ties.iter_mut().for_each(change);
+        register(&unlike, &ties, &options).unwrap_err()
+    };
+    assert_eq!(refused_of_unlike(&swap), RegistrationError::Swapped);
+    let both = RegistrationError::Mirrored("left and right");
+    assert_eq!(refused_of_unlike(&mirror), both);
     assert!(matches!(
         refused(&ties[..3]),
         RegistrationError::TooFew { given: 3, .. }
@@ -327,7 +340,7 @@ fn the_same_pairs_give_the_same_bytes() {
 
 #[test]
 fn parallax_is_none_at_the_stitch_distance() {
-    let table = parallax::table(0.06, 2.0);
+    let table = parallax_at(0.06, 2.0);
     let at = |range_m: f64| {
         table
             .iter()

@@ -116,20 +116,23 @@ fn residuals(input: &ReportInput) -> String {
 }
 
 fn parallax(input: &ReportInput) -> String {
-    let range = |[range, _]: &[f64; 2]| *range;
-    let (Some(near), Some(far)) = (
-        input.parallax.first().map(range),
-        input.parallax.last().map(range),
-    ) else {
+    if input.parallax.is_empty() {
         return String::new();
-    };
-    let points = input.parallax.iter().map(|[m, rad]| [*m, rad.to_degrees()]);
-    let points: Vec<[f64; 2]> = points.filter(|[m, _]| m.is_finite()).collect();
-    let top = points.iter().map(|[_, deg]| deg.abs()).fold(0.0, f64::max);
-    let mut plot = Plot::new([560.0, 300.0], [near.min(0.0), far], [0.0, 1.08 * top]);
-    plot.line("curve", points.iter().map(|[m, deg]| [*m, deg.abs()]));
+    }
+    let rows = input.parallax.iter().map(|[range_m, rad]| {
+        let range = match range_m.is_finite() {
+            true => format!("{range_m} m"),
+            false => "infinity".to_owned(),
+        };
+        let left = figure(rad.to_degrees().abs(), 2);
+        format!("<tr><td>{range}</td><td>{left}°</td></tr>")
+    });
     captioned(
-        &plot.finish("Parallax", "range, m", "degrees"),
-        "What parallax leaves between the eyes at other ranges than the stitch distance.",
+        &format!(
+            "<table><tr><th>Range</th><th>Parallax</th></tr>{}</table>",
+            rows.collect::<String>()
+        ),
+        "What parallax leaves between the eyes at other ranges than the stitch distance, at right \
+         angles to the line between them.",
     )
 }

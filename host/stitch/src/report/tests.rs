@@ -54,6 +54,7 @@ fn a_page_shows_what_was_done_and_no_more() {
         "&lt;shot&gt;",
         "1 of 2 matches used",
         "The board was far.",
+        "<td>infinity</td>",
     ] {
         assert!(page.contains(part), "{part}");
     }

@@ -14,7 +14,9 @@ use tectum_stitch::Eyes;
 use tectum_stitch::features::{
     Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features,
 };
+use tectum_stitch::registration::Tie;
 
+use crate::boards::{self, TargetArgs};
 use crate::progress::Progress;
 use crate::report::{Report, Usage};
 use crate::{files, pictures};
@@ -24,12 +26,14 @@ use row::Row;
 #[derive(clap::Args)]
 #[command(after_help = "EXAMPLES:\n  \
     tectum match rig.toml --left l.png --right r.png -o matches.png\n  \
-    tectum match rig.toml --left l/*.png --right r/*.png --matcher rootsift,orb --calibrated --json\n\n\
+    tectum match rig.toml --left l/*.png --right r/*.png --matcher rootsift,orb --calibrated --json\n  \
+    tectum match rig.toml --left l.png --right r.png --target overlap.json -o matches.png\n\n\
     The rig's geometry says which matches are right: within 0.5 degrees of the epipolar plane, ahead\n\
     of both eyes, less than 40 degrees of parallax. By chance is the share that passes if left and\n\
     right are paired at random. Then the share that RANSAC keeps, without knowing the geometry: by a\n\
     homography (3 px), as stitchers of flat pictures do, and by a relative pose on rays (0.4 degrees),\n\
     with how far the rotation found is from the rig's.\n\
+    With --target or --board, a last row has the corners of boards, paired by their markers.\n\
     Raw pictures are matched as they are; calibrated ones as a tile of the overlap, upright for both\n\
     eyes. The picture shows the first pair: right matches green, wrong ones red.")]
 pub struct Args {
@@ -49,6 +53,8 @@ pub struct Args {
         default_value = "sift,rootsift,orb"
     )]
     matcher: Vec<Matcher>,
+    #[command(flatten)]
+    targets: TargetArgs,
     /// Weights of SuperPoint's network
     #[arg(long, value_name = "FILE.onnx")]
     weights: Option<PathBuf>,
@@ -84,16 +90,48 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         bail!("{}: the eyes' fields do not overlap", args.rig.display());
     }
     let shots = shots(args, &overlap)?;
-    let rows = rows(args, &overlap, &shots, &detectors)?;
+    let mut rows = rows(args, &overlap, &shots, &detectors)?;
+    let refused = boards_row(args, &rig, &overlap, &mut rows)?;
     if let Some(output) = &args.output {
         pictures::save(output, drawing::draw(&shots[0], &rows))?;
     }
     let json = json!({
         "pairs": shots.len(),
         "rows": rows.iter().map(table::json).collect::<Vec<_>>(),
+        "refused": refused,
         "picture": args.output,
     });
-    Ok(Report::new(table::text(&rows), json))
+    let mut text = table::text(&rows);
+    for line in &refused {
+        text += &format!("no corners in {line}\n");
+    }
+    Ok(Report::new(text, json))
+}
+
+/// Adds the corners of boards, if boards are given; why boards gave none, a line each.
+fn boards_row(
+    args: &Args,
+    rig: &Rig,
+    overlap: &Overlap,
+    rows: &mut Vec<Row>,
+) -> anyhow::Result<Vec<String>> {
+    if !args.targets.are_given() {
+        return Ok(Vec::new());
+    }
+    let pairs = args.left.iter().zip(&args.right);
+    let files: Vec<Eyes<PathBuf>> = pairs.map(|(l, r)| [l.clone(), r.clone()]).collect();
+    let found = boards::paired(rig, &args.rig, &args.targets.targets()?, &files)?;
+    let corners = Tie::of_boards(&found.outcomes).into_iter();
+    let matches = corners.map(|tie| tie.pair).collect();
+    let name = "boards".to_owned();
+    rows.push(Row::measure(
+        name,
+        View::Raw,
+        found.corners,
+        matches,
+        overlap,
+    ));
+    Ok(boards::refused(&found.outcomes).collect())
 }
 
 fn detectors(args: &Args) -> anyhow::Result<Vec<(Matcher, Detector)>> {

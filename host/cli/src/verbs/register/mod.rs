@@ -1,6 +1,7 @@
 //! `tectum register`: pictures that both eyes took at once to a rig whose eyes fit together.
 
 mod appearance;
+mod distance;
 mod outputs;
 mod page;
 mod summary;
@@ -11,16 +12,17 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::ValueEnum;
 use image::RgbImage;
-use tectum_calibrate::BoardSize;
 use tectum_optics::Rig;
 use tectum_stitch::Eyes;
-use tectum_stitch::registration::{Options, Registration, register};
+use tectum_stitch::registration::Registration;
 
+use crate::boards::TargetArgs;
+use crate::files;
 use crate::paired::{self, PairArgs};
 use crate::progress::Progress;
 use crate::report::Report;
-use crate::{detecting, files};
 use appearance::Appearance;
+use distance::{Distance, Wanted};
 use ties::Ties;
 
 /// Pairs whose colours and seam are looked at: more tell nothing new, and each takes a second.
@@ -32,7 +34,7 @@ const LOOKED_AT: usize = 12;
     tectum register rig.toml --left l --right r --target overlap.json -o fish.toml --report fish.html\n  \
     tectum register rig.toml --left l --right r --board 8x6 --square-mm 30 -o fish.toml\n  \
     tectum register rig.toml --left l.png --right r.png --matcher rootsift -o fish.toml\n  \
-    tectum register rig.toml --picture both.jpg --keep-poses -o fish.toml\n\n\
+    tectum register rig.toml --picture both.jpg --keep-poses --distance auto -o fish.toml\n\n\
     The rig's eyes are turned, and their lenses scaled by a little, until both see the same points in\n\
     the same directions: corners of boards (`tectum board` writes the target's JSON beside the print),\n\
     or natural features, for which the eyes must not have turned by more than 10 degrees. Then the\n\
@@ -48,15 +50,8 @@ pub struct Args {
     /// Rig file to write
     #[arg(short, long, value_name = "OUT.toml")]
     output: PathBuf,
-    /// Boards and markers in the pictures, as `tectum board` describes them
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["board", "keep_poses"])]
-    target: Option<PathBuf>,
-    /// Inner corners of a chessboard without a marker, columns x rows
-    #[arg(long, value_name = "8x6", value_parser = detecting::board, requires = "square_mm")]
-    board: Option<BoardSize>,
-    /// Side of its squares, measured on the print, mm
-    #[arg(long, value_name = "MM", requires = "board")]
-    square_mm: Option<f64>,
+    #[command(flatten)]
+    targets: TargetArgs,
     /// How points are matched (default: boards if there are any, else rootsift)
     #[arg(long, value_enum, value_name = "NAME")]
     matcher: Option<MatcherName>,
@@ -64,8 +59,12 @@ pub struct Args {
     #[arg(long, value_name = "FILE.onnx")]
     weights: Option<PathBuf>,
     /// Leave the eyes as the rig has them: colours, seam and alignment only
-    #[arg(long, conflicts_with_all = ["board", "matcher"])]
+    #[arg(long, conflicts_with_all = ["target", "board", "matcher"])]
     keep_poses: bool,
+    /// Distance at which the pictures are joined, m, `inf`, or `auto`: as the pictures have it, if
+    /// they say so clearly (default: the rig's)
+    #[arg(long, value_name = "auto|METRES", value_parser = distance::parse)]
+    distance: Option<Wanted>,
     /// How colours are brought together
     #[arg(long, value_enum, default_value_t = ToneName::Match)]
     tone: ToneName,
@@ -118,24 +117,25 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         files::check_writable(file)?;
     }
     let paired = args.pairs.paired()?;
-    let progress = Progress::new(4);
+    let progress = Progress::new(5);
     progress.step("matching");
     let (ties, registration) = if args.keep_poses {
         (None, None)
     } else {
-        let ties = Ties::find(args, &rig, &paired.files)?;
+        let ties = Ties::find(args, &rig, &paired.files, &progress)?;
         progress.step("registering");
-        let registration = register(&rig, &ties.ties, &Options::default());
-        let registration = registration.map_err(|error| ties.explain(error))?;
+        let registration = ties.register(&rig)?;
         (Some(ties), Some(registration))
     };
-    let registered = registration.as_ref().map_or(&rig, |found| &found.rig);
+    let found = registration.as_ref().map_or(&rig, |found| &found.rig);
     let every = paired.files.len().div_ceil(LOOKED_AT).max(1);
     let looked_at = paired.files.iter().step_by(every);
-    let pictures: anyhow::Result<Vec<Eyes<RgbImage>>> = looked_at
-        .map(|files| paired::load(registered, files))
-        .collect();
+    let pictures: anyhow::Result<Vec<Eyes<RgbImage>>> =
+        looked_at.map(|files| paired::load(found, files)).collect();
     let pictures = pictures?;
+    progress.step("stitch distance");
+    let distance = Distance::choose(args.distance, found, &pictures)?;
+    let registered = &distance.rig;
     progress.step("colours and seam");
     let appearance = Appearance::find(args, registered, &pictures)?;
     progress.step("writing");
@@ -146,6 +146,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         files: &paired.files,
         ties: ties.as_ref(),
         registration: registration.as_ref(),
+        distance: &distance,
         appearance: &appearance,
         stitched: &stitched,
         pictures: &pictures,
@@ -164,6 +165,7 @@ struct Done<'a> {
     files: &'a [Eyes<PathBuf>],
     ties: Option<&'a Ties>,
     registration: Option<&'a Registration>,
+    distance: &'a Distance,
     appearance: &'a Appearance,
     stitched: &'a appearance::Stitched,
     /// Of every so many shots.
@@ -196,7 +198,7 @@ fn agreeing(found: &Registration) -> usize {
 impl Args {
     /// Refuses what contradicts itself, or names the way to match.
     fn matcher(&self) -> anyhow::Result<MatcherName> {
-        let boards = self.target.is_some() || self.board.is_some();
+        let boards = self.targets.are_given();
         match self.matcher {
             Some(MatcherName::Board) if !boards => bail!(
                 "--matcher board needs the board: --target FILE.json, or --board 8x6 --square-mm 30"

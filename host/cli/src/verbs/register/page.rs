@@ -1,8 +1,10 @@
 //! The report's page.
 
 use tectum_stitch::Correspondence;
+use tectum_stitch::registration::parallax_at;
 use tectum_stitch::report::{Figure, ReportInput, Shot, html as page};
 
+use super::distance::named;
 use super::{Done, agreeing};
 
 /// Energy that is white in the report, grey levels.
@@ -28,7 +30,9 @@ pub fn html(done: &Done) -> String {
         .collect();
     let energy = done.appearance.seam.as_ref();
     let energy = energy.map(|seam| seam.picture(WHITE_LEVELS));
-    let parallax = done.registration.map_or(&[][..], |found| &found.parallax);
+    let parallax = done.registration.map_or_else(Vec::new, |found| {
+        parallax_at(found.baseline_m, done.distance.metres())
+    });
     let parallax: Vec<[f64; 2]> = parallax
         .iter()
         .map(|row| [row.range_m, row.angle_deg.to_radians()])
@@ -71,7 +75,7 @@ fn figures(done: &Done) -> Vec<Figure> {
     if let (Some(ties), Some(found)) = (done.ties, done.registration) {
         let inliers = agreeing(found);
         add(
-            format!("{inliers} of {}", ties.ties.len()),
+            format!("{inliers} of {}", ties.matches()),
             "matches",
             format!("agree, in {} pairs of pictures", done.files.len()),
         );
@@ -94,6 +98,11 @@ fn figures(done: &Done) -> Vec<Figure> {
             ),
         );
     }
+    add(
+        named(done.distance.metres()),
+        "stitch distance",
+        done.distance.hint().unwrap_or_default(),
+    );
     if let Some(colour) = &done.appearance.colour {
         add(
             format!(

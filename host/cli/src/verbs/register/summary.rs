@@ -4,7 +4,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
+use tectum_stitch::registration::parallax_at;
 
+use super::distance::named;
+use super::ties::Ties;
 use super::{Done, agreeing};
 use crate::report::Report;
 
@@ -16,6 +19,7 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
         done.files.len()
     );
     poses(done, &mut text);
+    let _ = writeln!(text, "distance   {}", done.distance.text());
     appearance(done, &mut text);
     for warning in &done.appearance.warnings {
         let _ = writeln!(text, "{warning}");
@@ -35,12 +39,16 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
         "pairs": done.files.len(),
         "unpaired": alone,
         "matcher": done.ties.map(|ties| ties.matcher),
-        "matches": done.ties.map(|ties| ties.ties.len()),
+        "matches": done.ties.map(Ties::matches),
         "refused": done.ties.map(|ties| ties.refused().collect::<Vec<_>>()),
         "inliers": done.registration.map(agreeing),
         "rms_px": done.registration.map(|found| found.rms_px),
         "rms_deg": done.registration.map(|found| found.rms_deg),
         "registration": done.registration,
+        "parallax": done.registration.map(|found| {
+            parallax_at(found.baseline_m, done.distance.metres())
+        }),
+        "distance": done.distance.json(),
         "colour": done.appearance.colour,
         "alignment": done.appearance.alignment,
         "seam": seam_json(done),
@@ -74,7 +82,7 @@ fn poses(done: &Done, text: &mut String) {
          scales     {:.5} left, {:.5} right\n\
          baseline   {:.1} mm",
         agreeing(found),
-        ties.ties.len(),
+        ties.matches(),
         ties.matcher,
         found.rms_px,
         found.rms_deg,
@@ -84,10 +92,14 @@ fn poses(done: &Done, text: &mut String) {
         found.lens_scales[1],
         found.baseline_m * 1e3,
     );
-    let rows = found
-        .parallax
-        .iter()
-        .map(|row| format!("{:.2} degrees at {} m", row.angle_deg.abs(), row.range_m));
+    let parallax = parallax_at(found.baseline_m, done.distance.metres());
+    let rows = parallax.iter().map(|row| {
+        format!(
+            "{:.2} degrees at {}",
+            row.angle_deg.abs(),
+            named(row.range_m)
+        )
+    });
     let rows: Vec<String> = rows.collect();
     if found.baseline_m > 0.0 {
         let _ = writeln!(text, "parallax   {}", rows.join(", "));

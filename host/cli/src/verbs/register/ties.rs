@@ -4,24 +4,22 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use image::GrayImage;
-use rayon::prelude::*;
-use tectum_calibrate::Board;
-use tectum_calibrate::target::{Target, TargetFile};
 use tectum_optics::Rig;
 use tectum_stitch::Eyes;
-use tectum_stitch::epipolar::{MarkerlessOptions, markerless};
+use tectum_stitch::epipolar::{
+    MARKERLESS_PASSES, Markerless, MarkerlessOptions, markerless, pose_of_matches,
+};
 use tectum_stitch::features::{
     Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features,
 };
-use tectum_stitch::matching::{Outcome, Relative, Sighting, match_boards};
-use tectum_stitch::registration::{RegistrationError, Tie};
+use tectum_stitch::matching::Outcome;
+use tectum_stitch::registration::{
+    Options, Registration, RegistrationError, Tie, register, register_pose,
+};
 
 use super::{Args, MatcherName};
-use crate::{files, pictures};
-
-/// How far off the rig's poses may be when they tell the labels of a board, rad: a quarter of what a
-/// square of the usual board takes up at the usual distance.
-const TRUSTED_RAD: f64 = 0.02;
+use crate::progress::Progress;
+use crate::{boards, pictures};
 
 /// Points in both eyes.
 pub struct Ties {
@@ -31,40 +29,78 @@ pub struct Ties {
     pub ties: Vec<Tie>,
     /// What came of each board in each shot.
     pub outcomes: Vec<Outcome>,
+    /// What natural features say of the eyes.
+    natural: Option<Markerless>,
 }
 
 impl Ties {
-    pub fn find(args: &Args, rig: &Rig, files: &[Eyes<PathBuf>]) -> anyhow::Result<Self> {
+    pub fn find(
+        args: &Args,
+        rig: &Rig,
+        files: &[Eyes<PathBuf>],
+        progress: &Progress,
+    ) -> anyhow::Result<Self> {
         let (matcher, name) = match args.matcher()? {
-            MatcherName::Board => return boards(args, rig, files),
+            MatcherName::Board => {
+                let targets = args.targets.targets()?;
+                let outcomes = boards::paired(rig, &args.rig, &targets, files)?.outcomes;
+                return Ok(Self {
+                    matcher: "boards",
+                    ties: Tie::of_boards(&outcomes),
+                    outcomes,
+                    natural: None,
+                });
+            }
             MatcherName::Sift => (Matcher::Sift, "SIFT"),
             MatcherName::Rootsift => (Matcher::RootSift, "RootSIFT"),
             MatcherName::Orb => (Matcher::Orb, "ORB"),
             MatcherName::Superpoint => (Matcher::SuperPoint, "SuperPoint"),
         };
         let shots: Vec<Eyes<GrayImage>> = gray(files)?;
+        let options = MarkerlessOptions::default();
+        let pair = |shot: usize| format!("matching pair {} of {}", shot + 1, shots.len());
         let found = if matcher == Matcher::RootSift {
-            markerless(rig, &shots, &MarkerlessOptions::default())?.inliers
+            progress.more(MARKERLESS_PASSES * shots.len());
+            markerless(rig, &shots, &options, &|shot| progress.step(pair(shot)))?
         } else {
             let detector = Detector::new(matcher, args.weights.as_deref())?;
-            let overlap = Overlap::new(rig, MarkerlessOptions::default().most_turn_rad)
+            let overlap = Overlap::new(rig, options.most_turn_rad)
                 .context("the rig has one eye: two are needed")?;
+            progress.more(shots.len());
             let mut all = Vec::new();
             for (shot, pictures) in shots.iter().enumerate() {
+                progress.step(pair(shot));
                 let features = shot_features(&overlap, pictures.each_ref(), &detector, View::Raw)?;
                 all.extend(correspond(&features, shot, LOWE_RATIO));
             }
-            all
+            pose_of_matches(rig, all, &options)?
         };
         Ok(Self {
             matcher: name,
-            ties: found.into_iter().map(Tie::from).collect(),
+            ties: found.inliers.iter().copied().map(Tie::from).collect(),
             outcomes: Vec::new(),
+            natural: Some(found),
         })
     }
 
+    /// How many matches there were, also those that were left out on the way.
+    pub fn matches(&self) -> usize {
+        let natural = self.natural.as_ref();
+        natural.map_or(self.ties.len(), |found| found.matches)
+    }
+
+    /// The rig with its eyes where the points say.
+    pub fn register(&self, rig: &Rig) -> anyhow::Result<Registration> {
+        let options = Options::default();
+        let registration = match &self.natural {
+            Some(found) => register_pose(rig, found, &options),
+            None => register(rig, &self.ties, &options),
+        };
+        registration.map_err(|error| self.explain(error))
+    }
+
     /// An error, with what became of the boards.
-    pub fn explain(&self, error: RegistrationError) -> anyhow::Error {
+    fn explain(&self, error: RegistrationError) -> anyhow::Error {
         let refused: Vec<String> = self.refused().collect();
         match refused.is_empty() {
             true => error.into(),
@@ -74,10 +110,7 @@ impl Ties {
 
     /// Why boards gave no pairs, a line each.
     pub fn refused(&self) -> impl Iterator<Item = String> {
-        self.outcomes.iter().filter_map(|outcome| {
-            let why = outcome.result.as_ref().err()?;
-            Some(format!("pair {}: {why}", outcome.shot + 1))
-        })
+        boards::refused(&self.outcomes)
     }
 }
 
@@ -86,46 +119,4 @@ fn gray(files: &[Eyes<PathBuf>]) -> anyhow::Result<Vec<Eyes<GrayImage>>> {
         anyhow::Ok([pictures::load_gray(left)?, pictures::load_gray(right)?])
     };
     files.iter().map(shot).collect()
-}
-
-fn boards(args: &Args, rig: &Rig, files: &[Eyes<PathBuf>]) -> anyhow::Result<Ties> {
-    let targets = targets(args)?;
-    let (Some(left), Some(right)) = (&rig.left, &rig.right) else {
-        anyhow::bail!(
-            "{}: the rig has one eye: two are needed",
-            args.rig.display()
-        );
-    };
-    let shots: anyhow::Result<Vec<Eyes<Sighting>>> = files
-        .par_iter()
-        .map(|files| {
-            let sighting = |path| -> anyhow::Result<Sighting> {
-                Ok(Sighting::find(&pictures::load_gray(path)?, &targets)?)
-            };
-            Ok([sighting(&files[0])?, sighting(&files[1])?])
-        })
-        .collect();
-    let relative = Relative::of(rig, TRUSTED_RAD);
-    let eyes = [&left.eye, &right.eye];
-    let outcomes = match_boards(eyes, &targets, &shots?, relative.as_ref());
-    Ok(Ties {
-        matcher: "boards",
-        ties: Tie::of_boards(&outcomes),
-        outcomes,
-    })
-}
-
-fn targets(args: &Args) -> anyhow::Result<Vec<Target>> {
-    if let Some(path) = &args.target {
-        let text = String::from_utf8(files::read(path)?)
-            .with_context(|| format!("{}: not a text", path.display()))?;
-        let file = TargetFile::from_json(&text);
-        return Ok(file.with_context(|| path.display().to_string())?.targets);
-    }
-    let (Some(size), Some(square_mm)) = (args.board, args.square_mm) else {
-        return Ok(Vec::new());
-    };
-    let board = Target::Chessboard(Board { size, square_mm });
-    board.check()?;
-    Ok(vec![board])
 }

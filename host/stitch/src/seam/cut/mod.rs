@@ -4,11 +4,11 @@
 //! left eye's and one the right's, which is the rule, and [`max_flow`] for everything else.
 
 mod corners;
+mod labels;
 mod lattice;
+mod line;
 mod max_flow;
-mod queue;
 mod shortest_cycle;
-mod slit;
 #[cfg(test)]
 mod tests;
 

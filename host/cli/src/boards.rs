@@ -1,0 +1,102 @@
+//! Boards that both eyes see, as the command line names them.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use rayon::prelude::*;
+use tectum_calibrate::target::{Target, TargetFile};
+use tectum_calibrate::{Board, BoardSize};
+use tectum_optics::Rig;
+use tectum_stitch::Eyes;
+use tectum_stitch::matching::{Outcome, Relative, Sighting, match_boards};
+
+use crate::{detecting, files, pictures};
+
+/// How far off the rig's poses may be when they tell the labels of a board, rad: a quarter of what a
+/// square of the usual board takes up at the usual distance.
+const TRUSTED_RAD: f64 = 0.02;
+
+/// Boards to look for.
+#[derive(clap::Args)]
+pub struct TargetArgs {
+    /// Boards and markers in the pictures, as `tectum board` describes them
+    #[arg(long, value_name = "FILE.json", conflicts_with = "board")]
+    target: Option<PathBuf>,
+    /// Inner corners of a chessboard without a marker, columns x rows
+    #[arg(long, value_name = "8x6", value_parser = detecting::board, requires = "square_mm")]
+    board: Option<BoardSize>,
+    /// Side of its squares, measured on the print, mm
+    #[arg(long, value_name = "MM", requires = "board")]
+    square_mm: Option<f64>,
+}
+
+impl TargetArgs {
+    /// Whether there are any.
+    pub fn are_given(&self) -> bool {
+        self.target.is_some() || self.board.is_some()
+    }
+
+    /// The targets.
+    pub fn targets(&self) -> anyhow::Result<Vec<Target>> {
+        if let Some(path) = &self.target {
+            let text = String::from_utf8(files::read(path)?)
+                .with_context(|| format!("{}: not a text", path.display()))?;
+            let file = TargetFile::from_json(&text);
+            return Ok(file.with_context(|| path.display().to_string())?.targets);
+        }
+        let (Some(size), Some(square_mm)) = (self.board, self.square_mm) else {
+            return Ok(Vec::new());
+        };
+        let board = Target::Chessboard(Board { size, square_mm });
+        board.check()?;
+        Ok(vec![board])
+    }
+}
+
+/// What became of the boards in pictures of both eyes.
+pub struct Boards {
+    /// Corners seen by all left and all right pictures.
+    pub corners: [usize; 2],
+    /// What came of each board in each shot.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// Pairs the boards' corners in all shots of the rig that was read from `path`.
+pub fn paired(
+    rig: &Rig,
+    path: &Path,
+    targets: &[Target],
+    shots: &[Eyes<PathBuf>],
+) -> anyhow::Result<Boards> {
+    let (Some(left), Some(right)) = (&rig.left, &rig.right) else {
+        bail!("{}: the rig has one eye: two are needed", path.display());
+    };
+    let sightings: anyhow::Result<Vec<Eyes<Sighting>>> = shots
+        .par_iter()
+        .map(|files| {
+            let sighting = |path| -> anyhow::Result<Sighting> {
+                Ok(Sighting::find(&pictures::load_gray(path)?, targets)?)
+            };
+            Ok([sighting(&files[0])?, sighting(&files[1])?])
+        })
+        .collect();
+    let sightings = sightings?;
+    let corners = [0, 1].map(|eye: usize| {
+        let boards = sightings.iter().flat_map(|shot| &shot[eye].boards);
+        boards.map(|board| board.view.corners.len()).sum()
+    });
+    let relative = Relative::of(rig, TRUSTED_RAD);
+    let eyes = [&left.eye, &right.eye];
+    Ok(Boards {
+        corners,
+        outcomes: match_boards(eyes, targets, &sightings, relative.as_ref()),
+    })
+}
+
+/// Why boards gave no pairs, a line each.
+pub fn refused(outcomes: &[Outcome]) -> impl Iterator<Item = String> {
+    outcomes.iter().filter_map(|outcome| {
+        let why = outcome.result.as_ref().err()?;
+        Some(format!("pair {}: {why}", outcome.shot + 1))
+    })
+}
