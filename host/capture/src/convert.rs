@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::io::Cursor;
 
 use image::{ImageFormat, ImageReader};
+use tectum_bake::Format;
 use tectum_bake::convert::to_rgb8 as core_to_rgb8;
 
 use crate::{Frame, FrameFormat, Layout};
@@ -26,6 +27,7 @@ pub fn to_core<'a>(
         layout,
         size_px: [width, height],
         stride_bytes,
+        ..
     } = frame.format;
     if frame.data.len() < frame.format.frame_bytes() {
         return Err(NotDecodable);
@@ -78,7 +80,24 @@ pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
                 .collect(),
         )
     };
+    if format == Format::Yuyv && !frame.format.full_range {
+        return Ok(core_to_rgb8(format, &expanded(&packed)));
+    }
     Ok(core_to_rgb8(format, &packed))
+}
+
+/// YUYV of limited range (ITU-R BT.601) in full range.
+fn expanded(yuyv: &[u8]) -> Vec<u8> {
+    let wider = |value: u8, zero: i32, middle: i32, range: i32| {
+        let above = i32::from(value) - zero;
+        let rounding = range / 2 * above.signum();
+        ((above * 255 + rounding) / range + middle).clamp(0, 255) as u8
+    };
+    let luma = |value| wider(value, 16, 0, 219);
+    let chroma = |value| wider(value, 128, 128, 224);
+    let pixels = yuyv.as_chunks::<4>().0.iter();
+    let wide = pixels.flat_map(|&[y0, u, y1, v]| [luma(y0), chroma(u), luma(y1), chroma(v)]);
+    wide.collect()
 }
 
 fn decode_jpeg(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
@@ -118,6 +137,19 @@ mod tests {
         assert_eq!(stride, 8);
         let wanted = [1, 10, 2, 20, 3, 30, 4, 40, 5, 10, 6, 20, 7, 30, 8, 40];
         assert_eq!(yuyv, wanted);
+    }
+
+    #[test]
+    fn limited_range_becomes_black_white_and_grey() {
+        let format = FrameFormat {
+            full_range: false,
+            ..FrameFormat::packed(Layout::Yuyv, [2, 3])
+        };
+        let data = [16, 128, 235, 128, 126, 128, 0, 128, 255, 128, 255, 128];
+        let rgb = to_rgb8(&frame(&data, format)).unwrap();
+        assert_eq!(rgb[..6], [0, 0, 0, 255, 255, 255]);
+        assert_eq!(rgb[6..12], [128, 128, 128, 0, 0, 0]);
+        assert_eq!(rgb[12..], [255; 6]);
     }
 
     #[test]

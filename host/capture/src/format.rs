@@ -105,15 +105,19 @@ pub struct FrameFormat {
     pub size_px: [u16; 2],
     /// From the start of a row to the next, bytes; 0 for compressed frames.
     pub stride_bytes: usize,
+    /// Whether luma and chroma of YUYV and NV12 use all of a byte, as in JPEG, or 16 to 235 and 16 to
+    /// 240, as in video and from most cameras. The core does not care; conversions to RGB do.
+    pub full_range: bool,
 }
 
 impl FrameFormat {
-    /// Rows without gaps.
+    /// Rows without gaps, full range.
     pub fn packed(layout: Layout, size_px: [u16; 2]) -> Self {
         Self {
             layout,
             size_px,
             stride_bytes: layout.bytes_per_pixel().unwrap_or(0) * usize::from(size_px[0]),
+            full_range: true,
         }
     }
 

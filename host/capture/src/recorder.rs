@@ -215,7 +215,11 @@ impl Recorder {
         let [frames, seconds] = self.rate.map(|side| side as usize);
         let rate = y4m::Ratio::new(frames, seconds);
         // The encoder writes header and frames; the header stands before the first frame alone.
-        let encoder = y4m::encode(width, height, rate).with_colorspace(colours);
+        let mut encoder = y4m::encode(width, height, rate).with_colorspace(colours);
+        if frame.format.full_range {
+            let tag = y4m::VendorExtensionString::new(b"COLORRANGE=FULL".to_vec());
+            encoder = encoder.append_vendor_extension(tag.ok()?);
+        }
         let mut header = Vec::new();
         let write = |encoder: &mut y4m::Encoder<&mut Vec<u8>>| {
             let stamp = || {

@@ -12,7 +12,7 @@ use crate::source::{Frame, FrameSource, Next};
 use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 
 /// A y4m file: luma as [`Layout::Grey`], 4:2:2 as [`Layout::Yuyv`], 4:2:0 as [`Layout::Nv12`] and
-/// 4:4:4 as [`Layout::Rgb24`] (BT.601, full range). Times are those of the recording, else they
+/// 4:4:4 as [`Layout::Rgb24`] (BT.601). Colours are of limited range unless the file says otherwise. Times are those of the recording, else they
 /// follow from the frame rate. A last frame that is cut off is left out and counted as corrupt.
 pub struct Y4m {
     path: PathBuf,
@@ -71,6 +71,11 @@ impl Y4m {
         if matches!(layout, Layout::Nv12 | Layout::Yuyv) && w % 2 == 1 {
             return Err(refuse(format!("an odd width ({w} px) with shared chroma")));
         }
+        let tag = b"COLORRANGE=FULL";
+        let full_range = decoder
+            .get_raw_params()
+            .windows(tag.len())
+            .any(|part| part == tag);
         let rate = decoder.get_framerate();
         let period_ns = if rate.num == 0 {
             0
@@ -81,7 +86,10 @@ impl Y4m {
             path: path.to_owned(),
             name: path.display().to_string(),
             decoder,
-            format: FrameFormat::packed(layout, [w, h]),
+            format: FrameFormat {
+                full_range,
+                ..FrameFormat::packed(layout, [w, h])
+            },
             period_ns: period_ns.max(1),
             data: Vec::new(),
             read: 0,
@@ -158,22 +166,30 @@ fn pack(format: FrameFormat, [y, u, v]: [&[u8]; 3], out: &mut Vec<u8>) {
             out.extend_from_slice(y);
             out.extend(u.iter().zip(v).flat_map(|(u, v)| [*u, *v]));
         }
-        Layout::Rgb24 => out.extend(
-            y.iter()
-                .zip(u.iter().zip(v))
-                .flat_map(|(y, (u, v))| rgb(*y, *u, *v)),
-        ),
+        Layout::Rgb24 => {
+            let pixels = y.iter().zip(u.iter().zip(v));
+            out.extend(pixels.flat_map(|(y, (u, v))| rgb(*y, *u, *v, format.full_range)));
+        }
         Layout::Grey | Layout::Rgb565 | Layout::Mjpeg => out.extend_from_slice(y),
     }
 }
 
-/// BT.601, full range (ITU-T T.871).
-fn rgb(y: u8, u: u8, v: u8) -> [u8; 3] {
-    let [y, u, v] = [i32::from(y), i32::from(u) - 128, i32::from(v) - 128];
-    [
-        y + (v * 1402 + 500).div_euclid(1000),
-        y - (u * 344 + v * 714 + 500).div_euclid(1000),
-        y + (u * 1772 + 500).div_euclid(1000),
-    ]
-    .map(|c| c.clamp(0, 255) as u8)
+/// BT.601, in full range as JPEG has it (ITU-T T.871) or in the limited range of video.
+fn rgb(y: u8, u: u8, v: u8, full_range: bool) -> [u8; 3] {
+    let [y, u, v] = [f64::from(y), f64::from(u) - 128.0, f64::from(v) - 128.0];
+    let [y, u, v] = if full_range {
+        [y, u, v]
+    } else {
+        [
+            (y - 16.0) * 255.0 / 219.0,
+            u * 255.0 / 224.0,
+            v * 255.0 / 224.0,
+        ]
+    };
+    let rgb = [
+        y + 1.402 * v,
+        y - 0.344_136 * u - 0.714_136 * v,
+        y + 1.772 * u,
+    ];
+    rgb.map(|c| c.round().clamp(0.0, 255.0) as u8)
 }

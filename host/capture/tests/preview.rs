@@ -13,6 +13,7 @@ const FORMAT: FrameFormat = FrameFormat {
     layout: Layout::Grey,
     size_px: [64, 32],
     stride_bytes: 64,
+    full_range: true,
 };
 
 fn preview() -> Preview {

@@ -91,7 +91,7 @@ refused 'MJPG' 'does not offer pixel format MJPG' tectum capture x --left "$L" -
 refused 'an odd size' 'does not offer' tectum capture x --left "$L" --right "$R" --stills \
     --frame-size 321x181
 chmod 600 "$B" && chown 0 "$B"
-refused 'no permission' 'no permission' setpriv-nobody tectum capture x --left "$L" --right "$R" --stills
+refused 'no permission' 'no permission' as-nobody tectum capture x --left "$L" --right "$R" --stills
 v4l2-ctl -d "$A" --stream-mmap >/dev/null 2>&1 &
 streaming=$!
 sleep 1
@@ -156,11 +156,11 @@ fault disconnect=1
 finish away 10
 least 'away: came back' "$(counts left reconnects away.json)" 1
 
-for camera in "$A" "$B"; do v4l2-ctl -d "$camera" -c timestamp_wrap_around=1 >/dev/null 2>&1 ||
-    v4l2-ctl -d "$camera" -c wrap_timestamp=1 >/dev/null 2>&1; done
+# The clock stands sixteen seconds before it wraps round.
+for camera in "$A" "$B"; do v4l2-ctl -d "$camera" -c wrap_timestamp=1 >/dev/null; done
 stream wrap 20
 finish wrap 100
-for camera in "$A" "$B"; do v4l2-ctl -d "$camera" -c wrap_timestamp=0 >/dev/null 2>&1; done
+for camera in "$A" "$B"; do v4l2-ctl -d "$camera" -c wrap_timestamp=0 >/dev/null; done
 fault wrap_sequence_number=1
 stream sequence 5
 finish sequence 10
@@ -168,7 +168,7 @@ fault wrap_sequence_number=0
 
 # Many pairs: what is resident must not grow.
 tectum stitch /eyes-small.tct --live --left "$L" --right "$R" --pixel-format GREY --rate 60 \
-    -o /dev/null --frames 1000 --json >many.json 2>many.err &
+    -o many.y4m --frames 1000 --json >many.json 2>many.err &
 many=$!
 sleep 5
 before=$(sed -n 's/VmRSS:[^0-9]*\([0-9]*\).*/\1/p' /proc/$many/status)
@@ -191,8 +191,7 @@ loop() {
     v4l2-ctl -d "$2" --set-fmt-video-out=width=640,height=480,pixelformat=YUYV >/dev/null
     v4l2-ctl -d "$1" --set-input=3 -c loop_video=1,osd_text_mode=2 >/dev/null
     v4l2-ctl -d "$2" --stream-out-mmap --stream-from="$3" --stream-loop >/dev/null 2>&1 &
-    sleep 1
-    v4l2-ctl -d "$1" --set-dv-bt-timings query >/dev/null
+    v4l2-ctl -d "$1" --set-dv-bt-timings index=0 >/dev/null
 }
 loop "$A" "$OUT_A" /left.yuyv
 loop "$B" "$OUT_B" /right.yuyv

@@ -75,8 +75,8 @@ pub fn initramfs(
     }
     let init = root.join("init");
     fs::write(&init, include_str!("guest.sh"))?;
-    let nobody = root.join("bin/setpriv-nobody");
-    fs::write(&nobody, "#!/bin/sh\nexec setuidgid nobody \"$@\"\n")?;
+    let nobody = root.join("bin/as-nobody");
+    fs::write(&nobody, "#!/bin/sh\nexec su -s /bin/sh nobody -c \"$*\"\n")?;
     for script in [&init, &nobody] {
         fs::set_permissions(script, fs::Permissions::from_mode(0o755))?;
     }
@@ -104,27 +104,8 @@ pub fn initramfs(
 
 /// What the script in the machine calls.
 const APPLETS: &[&str] = &[
-    "sh",
-    "base64",
-    "cat",
-    "chmod",
-    "chown",
-    "cmp",
-    "cp",
-    "grep",
-    "head",
-    "insmod",
-    "kill",
-    "ln",
-    "mkdir",
-    "mount",
-    "poweroff",
-    "sed",
-    "setuidgid",
-    "sleep",
-    "tail",
-    "timeout",
-    "wc",
+    "sh", "base64", "cat", "chmod", "chown", "cmp", "cp", "grep", "head", "insmod", "kill", "ln",
+    "mkdir", "mount", "poweroff", "sed", "sleep", "tail", "timeout", "wc",
 ];
 
 /// vivid and what it needs, in the order of loading.

@@ -6,6 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use v4l::capability::Flags;
+use v4l::format::{Colorspace, Quantization};
 use v4l::framesize::FrameSizeEnum;
 use v4l::video::Capture;
 use v4l::video::capture::Parameters;
@@ -93,6 +94,7 @@ pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError>
             Layout::Mjpeg => 0,
             _ => packed.stride_bytes.max(set.stride as usize),
         },
+        full_range: is_full_range(&set),
         ..packed
     };
     let period_ns = rate(path, &device, wanted.rate_hz, &refuse)?;
@@ -102,6 +104,15 @@ pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError>
         format,
         period_ns,
     })
+}
+
+/// What the driver says of its range; where it says nothing, Video4Linux has a rule for each kind.
+fn is_full_range(format: &Format) -> bool {
+    match format.quantization {
+        Quantization::FullRange => true,
+        Quantization::LimitedRange => false,
+        Quantization::Default => matches!(format.colorspace, Colorspace::JPEG),
+    }
 }
 
 /// Sets the frame rate where one is asked for; what it is then, as ns from frame to frame.

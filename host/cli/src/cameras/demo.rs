@@ -1,6 +1,6 @@
 //! The simulated pool as two live cameras: a body that swings from side to side.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tectum_bake::convert::from_rgb8;
@@ -11,6 +11,7 @@ use tectum_scene::Scene;
 use tectum_scene::camera::Pose;
 
 use crate::pool;
+use crate::progress::Progress;
 
 /// The paper's fish with eyes of 240x240 px: quick to render.
 const RIG: &str = include_str!("../../../../tables/rigs/paper-fish-240.toml");
@@ -18,8 +19,8 @@ const OUTPUT_PX: [u16; 2] = [480, 240];
 const MAX_ERROR_PX: f64 = 0.05;
 const FEATHER_DEG: f64 = 4.0;
 const RATE_HZ: u32 = 15;
-/// Moments of one swing; they repeat.
-const MOMENTS: u32 = 24;
+/// Moments of one swing, rendered once; they repeat.
+const MOMENTS: u32 = 16;
 const SWING_DEG: f64 = 20.0;
 
 /// The table for the demo's eyes.
@@ -39,55 +40,38 @@ fn rig() -> anyhow::Result<Rig> {
 /// Frames of one moment, left and right.
 type Moment = [Vec<u8>; 2];
 
-/// The first round is rendered as it goes, by whichever eye asks first; later ones are repeated.
-struct Swing {
-    rig: Rig,
-    scene: Scene,
-    moments: Vec<Option<Moment>>,
-}
-
-impl Swing {
-    fn moment(&mut self, index: u32) -> Option<&Moment> {
-        let slot = (index % MOMENTS) as usize;
-        if self.moments[slot].is_none() {
-            let phase = slot as f64 / f64::from(MOMENTS) * std::f64::consts::TAU;
+/// All moments of a swing.
+fn swing(rig: &Rig) -> anyhow::Result<Vec<Moment>> {
+    let scene = Scene::new(&pool::furnished(rig))?;
+    let progress = Progress::new(MOMENTS.into());
+    (0..MOMENTS)
+        .map(|i| {
+            progress.step("rendering the pool");
+            let phase = f64::from(i) / f64::from(MOMENTS) * std::f64::consts::TAU;
             let body = Pose {
                 yaw_deg: SWING_DEG * libm::sin(phase),
                 ..Pose::default()
             };
-            let eyes = pool::both_eyes(&self.scene, &self.rig, body, slot as u32, 1).ok()?;
+            let eyes = pool::both_eyes(&scene, rig, body, i, 1)?;
             let frames = pool::frames(&eyes);
-            let yuyv = [frames.left, frames.right].map(|rgb| from_rgb8(Format::Yuyv, &rgb));
-            self.moments[slot] = Some(yuyv);
-        }
-        self.moments[slot].as_ref()
-    }
+            Ok([frames.left, frames.right].map(|rgb| from_rgb8(Format::Yuyv, &rgb)))
+        })
+        .collect()
 }
 
 /// Both eyes, live from now on.
 pub fn eyes(rate_hz: Option<u32>) -> anyhow::Result<[Box<dyn FrameSource>; 2]> {
     let rig = rig()?;
-    let scene = Scene::new(&pool::furnished(&rig))?;
     let size_px = rig.left.as_ref().map_or([0, 0], |eye| eye.eye.size_px);
     let format = FrameFormat::packed(Layout::Yuyv, size_px);
-    let mut swing = Swing {
-        rig,
-        scene,
-        moments: vec![None; MOMENTS as usize],
-    };
-    // What there is to refuse is refused here, not in the middle of a stream.
-    swing.moment(0);
-    let swing = Arc::new(Mutex::new(swing));
+    let moments = Arc::new(swing(&rig)?);
     let period = Duration::from_secs(1) / rate_hz.unwrap_or(RATE_HZ);
     let start = Instant::now();
     Ok([("demo left", 0), ("demo right", 1)].map(|(name, eye)| {
-        let swing = swing.clone();
-        let make = move |index, data: &mut Vec<u8>| {
-            let mut swing = swing.lock().unwrap_or_else(PoisonError::into_inner);
+        let moments = moments.clone();
+        let make = move |index: u32, data: &mut Vec<u8>| {
             data.clear();
-            if let Some(moment) = swing.moment(index) {
-                data.extend_from_slice(&moment[eye]);
-            }
+            data.extend_from_slice(&moments[(index % MOMENTS) as usize][eye]);
         };
         Box::new(Generated::new(name, format, period, start, make)) as Box<dyn FrameSource>
     }))

@@ -15,6 +15,7 @@ const EYE: FrameFormat = FrameFormat {
     layout: Layout::Yuyv,
     size_px: [240, 240],
     stride_bytes: 480,
+    full_range: true,
 };
 const FRAME_BYTES: usize = 240 * 240 * 2;
 
