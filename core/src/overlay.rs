@@ -44,7 +44,7 @@ pub struct Painter<'t, F> {
 /// What is drawn of everything in a row before anything of the next.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Layer {
-    /// The edges, one pixel around what is light.
+    /// What is light and one pixel around it.
     Edge,
     /// Lines and glyphs.
     Light,
@@ -52,9 +52,9 @@ enum Layer {
 
 impl<'t, F: PixelFormat> Painter<'t, F> {
     /// A painter of `overlay`.
-    pub fn new(overlay: &Overlay<'t>) -> Self {
+    pub fn new(overlay: Overlay<'t>) -> Self {
         Self {
-            overlay: *overlay,
+            overlay,
             format: PhantomData,
         }
     }
@@ -86,8 +86,10 @@ impl<'t, F: PixelFormat> Painter<'t, F> {
         };
         let width = i32::from(overlay.size_px()[0]);
         let mut draw = |columns: Range<i32>| {
-            let start = columns.start.clamp(0, width);
-            let len = (columns.end.clamp(0, width) - start).max(0);
+            // Not `clamp`, which would panic if the width could be negative.
+            let inside = |column: i32| column.max(0).min(width);
+            let start = inside(columns.start);
+            let len = (inside(columns.end) - start).max(0);
             F::limit(out, start as usize, len as usize, limits);
         };
         let (band, row) = (y / BAND_ROWS, i32::from(y % BAND_ROWS));
@@ -171,7 +173,11 @@ impl Rows {
     fn columns(self, line: &OverlayLine, row: i32) -> Range<i32> {
         let ([x0, x1], [y0, y1]) = (line.x_units(), line.y_units());
         let (dx, dy) = (x1 - x0, y1 - y0);
-        let x_at = |y: i32| x0 + (dx * (y - y0)).div_euclid(dy.max(1));
+        let x_at = |y: i32| match dx {
+            // As most lines of most pictures.
+            0 => x0,
+            _ => x0 + (dx * (y - y0)).div_euclid(dy.max(1)),
+        };
         let top = row * LINE_UNITS;
         if dx.abs() <= dy && dy > 0 {
             // One pixel a row, where the line passes the row's middle.
@@ -200,5 +206,85 @@ impl Rows {
         };
         let first = |x: i32| (x + HALF - 1) / LINE_UNITS;
         first(start.min(end))..first(start.max(end))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tectum_tables::builder::OverlayData;
+
+    use super::*;
+    use crate::{Gray8, Rgb565, Yuyv};
+
+    const SIZE: [u16; 2] = [12, 18];
+
+    /// A flat line in the last row of the first band and a steep one, both `line_px` thick.
+    fn section(line_px: u8) -> Vec<u8> {
+        let lines = vec![
+            OverlayLine::new([24, 80], [124, 124]),
+            OverlayLine::new([12, 12], [0, 64]),
+        ];
+        let data = OverlayData {
+            line_px,
+            light: 200,
+            dark: 50,
+            glyph_size_px: [0, 0],
+            glyphs: Vec::new(),
+            bands: vec![(lines, Vec::new()), (Vec::new(), Vec::new())],
+        };
+        data.to_bytes().unwrap()
+    }
+
+    fn row(line_px: u8, y: u16) -> [u8; 12] {
+        let bytes = section(line_px);
+        let overlay = Overlay::parse(&bytes, SIZE).unwrap();
+        let mut row = [100; 12];
+        Painter::<Gray8>::new(overlay).row(y, &mut row).unwrap();
+        row
+    }
+
+    #[test]
+    fn thin_and_thick_lines_have_an_edge_of_one() {
+        let (l, d, o) = (200, 50, 100);
+        assert_eq!(row(1, 0), [d, l, d, o, o, o, o, o, o, o, o, o]);
+        assert_eq!(row(3, 7), [d, l, l, l, d, o, o, o, o, o, o, o]);
+        // Rows end where the middle of the next is beyond the line's end.
+        assert_eq!(row(1, 8), [o; 12]);
+        // Columns 3 to 9 in row 15, and in the rows below where it is thicker.
+        let lit = [o, o, o, l, l, l, l, l, l, l, o, o];
+        let edge = lit.map(|v| if v == l { d } else { o });
+        assert_eq!(
+            [14, 15, 16, 17].map(|y| row(1, y)),
+            [edge, lit, edge, [o; 12]]
+        );
+        assert_eq!([14, 15, 16, 17].map(|y| row(2, y)), [edge, lit, lit, edge]);
+    }
+
+    #[test]
+    fn only_luma_of_yuyv_and_the_upper_bits_of_rgb565_change() {
+        let bytes = section(1);
+        let overlay = Overlay::parse(&bytes, SIZE).unwrap();
+        let mut yuyv = [90; 24];
+        Painter::<Yuyv>::new(overlay).row(0, &mut yuyv).unwrap();
+        assert_eq!(yuyv[..8], [50, 90, 200, 90, 50, 90, 90, 90]);
+        let mut rgb565 = [0xff; 24];
+        Painter::<Rgb565>::new(overlay).row(0, &mut rgb565).unwrap();
+        // 50 is 6 of 31 and 12 of 63, 200 is 25 and 50.
+        let word = |five: u16, six: u16| (five << 11 | six << 5 | five).to_le_bytes();
+        assert_eq!(rgb565[..4], [word(6, 12), word(25, 50)].concat());
+        assert_eq!(rgb565[6..], [0xff; 18]);
+    }
+
+    #[test]
+    fn rows_that_do_not_fit_are_refused_and_untouched() {
+        let bytes = section(1);
+        let overlay = Overlay::parse(&bytes, SIZE).unwrap();
+        let painter = Painter::<Gray8>::new(overlay);
+        let mut row = [7; 13];
+        let length = StitchError::OutputLength { expected: 12 };
+        assert_eq!(painter.row(0, &mut row), Err(length));
+        assert_eq!(painter.row(0, &mut row[..11]), Err(length));
+        assert_eq!(painter.row(18, &mut row[..12]), Err(StitchError::Row));
+        assert_eq!(row, [7; 13]);
     }
 }

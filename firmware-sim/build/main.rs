@@ -22,6 +22,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed={}", file.display());
     let bytes = fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))?;
     fs::write(out.join("picture.tct"), &bytes)?;
+    let scaled = tectum_fixture::scaled_table_file(&board).ok_or("no table with scales")?;
+    let scaled = Path::new("..").join(scaled);
+    println!("cargo:rerun-if-changed={}", scaled.display());
+    fs::copy(&scaled, out.join("scaled.tct"))
+        .map_err(|error| format!("{}: {error}", scaled.display()))?;
     let toned = tectum_fixture::toned(&bytes).map_err(|error| format!("toned: {error}"))?;
     fs::write(out.join("toned.tct"), toned)?;
 

@@ -8,6 +8,8 @@ include!(concat!(env!("OUT_DIR"), "/sizes.rs"));
 pub static PICTURE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/picture.tct"));
 /// The same with tone curves and metering pairs.
 pub static TONED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/toned.tct"));
+/// The table of the real picture with scales.
+pub static SCALED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/scaled.tct"));
 /// All pixels from the left eye.
 pub static ONE_EYE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/one_eye.tct"));
 /// All pixels blended from both eyes.

@@ -23,8 +23,8 @@ const MAX_GLYPH_PX: u8 = 16;
 /// View of the section with lines and labels.
 ///
 /// # Invariant
-/// Every band's records are there, every placement names a glyph that is there, and lies inside
-/// the picture with it.
+/// Every band's records are there. Nothing else has to hold for drawing to be safe: what lies
+/// outside the output is not drawn, and a glyph that is not there is blank.
 #[derive(Debug, Clone, Copy)]
 pub struct Overlay<'a> {
     header: &'a OverlayHeader,
@@ -41,63 +41,49 @@ impl<'a> Overlay<'a> {
     /// # Errors
     /// [`TableError::SectionBounds`] or [`TableError::Field`] of this section.
     pub fn parse(bytes: &'a [u8], size_px: [u16; 2]) -> Result<Self, TableError> {
-        let bounds = TableError::SectionBounds { tag: Tag::OVERLAY };
-        let (header, rest) = OverlayHeader::ref_from_prefix(bytes).map_err(|_| bounds)?;
+        let tag = Tag::OVERLAY;
+        let overlay = Self::split(bytes, size_px).ok_or(TableError::SectionBounds { tag })?;
+        let Self { header, .. } = overlay;
+        let sound = (1..=MAX_LINE_PX).contains(&header.line_px)
+            && header.dark < header.light
+            && header.glyph_width_px.max(header.glyph_height_px) <= MAX_GLYPH_PX
+            && header.reserved == 0
+            && overlay.lines.iter().all(OverlayLine::is_sound)
+            && overlay
+                .bands
+                .iter()
+                .all(|band| band.last_line() <= overlay.lines.len())
+            && overlay
+                .bands
+                .iter()
+                .all(|band| band.last_placement() <= overlay.placements.len());
+        if sound {
+            Ok(overlay)
+        } else {
+            Err(TableError::Field { tag })
+        }
+    }
+
+    /// The parts of a section, whatever they hold; `None` if they do not fit it.
+    pub(crate) fn split(bytes: &'a [u8], size_px: [u16; 2]) -> Option<Self> {
+        let (header, rest) = OverlayHeader::ref_from_prefix(bytes).ok()?;
         let bands = usize::from(size_px[1].div_ceil(BAND_ROWS));
-        let (bands, rest) =
-            <[OverlayBand]>::ref_from_prefix_with_elems(rest, bands).map_err(|_| bounds)?;
+        let (bands, rest) = <[OverlayBand]>::ref_from_prefix_with_elems(rest, bands).ok()?;
         let lines = usize::from(header.lines.get());
-        let (lines, rest) =
-            <[OverlayLine]>::ref_from_prefix_with_elems(rest, lines).map_err(|_| bounds)?;
+        let (lines, rest) = <[OverlayLine]>::ref_from_prefix_with_elems(rest, lines).ok()?;
         let placements = usize::from(header.placements.get());
         let (placements, rest) =
-            <[Placement]>::ref_from_prefix_with_elems(rest, placements).map_err(|_| bounds)?;
-        let glyph_rows = <[U16]>::ref_from_bytes(rest).map_err(|_| bounds)?;
-        if glyph_rows.len() != usize::from(header.glyphs) * usize::from(header.glyph_height_px) {
-            return Err(bounds);
-        }
-        let overlay = Self {
+            <[Placement]>::ref_from_prefix_with_elems(rest, placements).ok()?;
+        let glyph_rows = <[U16]>::ref_from_bytes(rest).ok()?;
+        let rows = usize::from(header.glyphs) * usize::from(header.glyph_height_px);
+        (glyph_rows.len() == rows).then_some(Self {
             header,
             size_px,
             bands,
             lines,
             placements,
             glyph_rows,
-        };
-        if overlay.is_sound() {
-            Ok(overlay)
-        } else {
-            Err(TableError::Field { tag: Tag::OVERLAY })
-        }
-    }
-
-    fn is_sound(&self) -> bool {
-        let header = self.header;
-        let [width, height] = self.size_px.map(u32::from);
-        let glyph = |placement: &Placement, top: u32| {
-            let right = u32::from(placement.x_px.get()) + u32::from(header.glyph_width_px);
-            let bottom = (top as i32 + i32::from(placement.y_px)) as u32;
-            placement.glyph < header.glyphs
-                && right <= width
-                && bottom.saturating_add(header.glyph_height_px.into()) <= height
-        };
-        let whole = (1..=MAX_LINE_PX).contains(&header.line_px)
-            && header.dark < header.light
-            && header.glyph_width_px <= MAX_GLYPH_PX
-            && header.glyph_height_px <= MAX_GLYPH_PX
-            && header.reserved == 0
-            && self.lines.iter().all(|line| {
-                let [y0, y1] = line.y_units();
-                y0 <= y1 && y1 <= i32::from(BAND_ROWS) * LINE_UNITS
-            });
-        whole
-            && (0..).zip(self.bands).all(|(band, at)| {
-                let top = band * u32::from(BAND_ROWS);
-                at.lines_of(self.lines).is_some()
-                    && at
-                        .placements_of(self.placements)
-                        .is_some_and(|placed| placed.iter().all(|p| glyph(p, top)))
-            })
+        })
     }
 
     /// Width and height of the output, px.
@@ -124,16 +110,22 @@ impl<'a> Overlay<'a> {
     #[inline]
     pub fn lines(&self, band: u16) -> &'a [OverlayLine] {
         let band = self.bands.get(usize::from(band));
-        band.and_then(|band| band.lines_of(self.lines))
-            .unwrap_or_default()
+        let of = |band: &OverlayBand| {
+            let first = usize::from(band.first_line.get());
+            self.lines.get(first..band.last_line())
+        };
+        band.and_then(of).unwrap_or_default()
     }
 
     /// Glyphs that have a row, or an edge, in a band; none for one that does not exist.
     #[inline]
     pub fn placements(&self, band: u16) -> &'a [Placement] {
         let band = self.bands.get(usize::from(band));
-        band.and_then(|band| band.placements_of(self.placements))
-            .unwrap_or_default()
+        let of = |band: &OverlayBand| {
+            let first = usize::from(band.first_placement.get());
+            self.placements.get(first..band.last_placement())
+        };
+        band.and_then(of).unwrap_or_default()
     }
 
     /// Row `row` of a glyph: bit i is its column i. 0 above and below it.
@@ -157,15 +149,20 @@ impl<'a> Overlay<'a> {
     }
 }
 
+impl OverlayLine {
+    fn is_sound(&self) -> bool {
+        let [y0, y1] = self.y_units();
+        y0 <= y1 && y1 <= i32::from(BAND_ROWS) * LINE_UNITS
+    }
+}
+
 impl OverlayBand {
-    fn lines_of<'a>(&self, lines: &'a [OverlayLine]) -> Option<&'a [OverlayLine]> {
-        let from = lines.get(usize::from(self.first_line.get())..)?;
-        from.get(..usize::from(self.lines.get()))
+    fn last_line(&self) -> usize {
+        usize::from(self.first_line.get()) + usize::from(self.lines.get())
     }
 
-    fn placements_of<'a>(&self, placements: &'a [Placement]) -> Option<&'a [Placement]> {
-        let from = placements.get(usize::from(self.first_placement.get())..)?;
-        from.get(..usize::from(self.placements.get()))
+    fn last_placement(&self) -> usize {
+        usize::from(self.first_placement.get()) + usize::from(self.placements.get())
     }
 }
 
@@ -244,22 +241,6 @@ mod tests {
         );
         assert_eq!(
             refused(|d| d.bands[0].0[0] = OverlayLine::new([0, 0], [0, 129])),
-            field
-        );
-        assert_eq!(
-            refused(|d| d.bands[0].1[0] = Placement::new(4, 14, 1)),
-            field
-        );
-        assert_eq!(
-            refused(|d| d.bands[0].1[0] = Placement::new(19, 14, 0)),
-            field
-        );
-        assert_eq!(
-            refused(|d| d.bands[0].1[0] = Placement::new(4, -1, 0)),
-            field
-        );
-        assert_eq!(
-            refused(|d| d.bands[1].1[0] = Placement::new(4, 6, 0)),
             field
         );
         assert_eq!(refused(|d| d.glyphs[0].push(1)), bounds);

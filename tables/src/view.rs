@@ -45,7 +45,8 @@ pub struct Tables<'a> {
     output_map: OutputMap<'a>,
     tone: ToneCurves<'a>,
     meter_pairs: &'a [MeterPair],
-    overlay: Option<Overlay<'a>>,
+    /// Proven by [`Overlay::parse`]; empty if there is none.
+    overlay: &'a [u8],
     metadata: &'a str,
 }
 
@@ -96,16 +97,15 @@ impl<'a> Tables<'a> {
                 .tone
                 .map_or(Ok(ToneCurves::default()), ToneCurves::parse)?,
             meter_pairs: &[],
-            overlay: None,
+            overlay: sections.overlay.unwrap_or(&[]),
             metadata: core::str::from_utf8(sections.metadata.unwrap_or(&[]))
                 .map_err(|_| TableError::Field { tag: Tag::METADATA })?,
         };
         if let Some(pairs) = sections.meter_pairs {
             tables.meter_pairs = meter_pairs(pairs, &tables.mesh)?;
         }
-        if let Some(overlay) = sections.overlay {
-            let size_px = [tables.output_width_px(), tables.output_height_px()];
-            tables.overlay = Some(Overlay::parse(overlay, size_px)?);
+        if sections.overlay.is_some() {
+            Overlay::parse(tables.overlay, tables.output_size_px())?;
         }
         (0..tables.output_height_px()).try_for_each(|row| tables.prove_row(row))?;
         Ok(tables)
@@ -169,6 +169,10 @@ impl<'a> Tables<'a> {
         self.header.output_height_px.get()
     }
 
+    fn output_size_px(&self) -> [u16; 2] {
+        [self.output_width_px(), self.output_height_px()]
+    }
+
     /// Mesh of an eye, if the table shows that eye.
     #[inline]
     pub fn mesh(&self, eye: Eye) -> Option<&Mesh<'a>> {
@@ -215,8 +219,8 @@ impl<'a> Tables<'a> {
     }
 
     /// Lines and labels to draw over the output, if the table carries them.
-    pub fn overlay(&self) -> Option<&Overlay<'a>> {
-        self.overlay.as_ref()
+    pub fn overlay(&self) -> Option<Overlay<'a>> {
+        Overlay::split(self.overlay, self.output_size_px())
     }
 
     /// Identity of the rig that made the table.

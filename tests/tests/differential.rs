@@ -34,9 +34,9 @@ fn core_equals_reference(seed: u64, max_px: [u16; 2], formats: &[Format]) {
                 );
             }
             if let Some(overlay) = tables.overlay() {
-                let drawn = overlay::draw(overlay, *format, &expected);
+                let drawn = overlay::draw(&overlay, *format, &expected);
                 let mut core = expected;
-                draw_overlay(overlay, *format, &mut core).expect("its size");
+                draw_overlay(&overlay, *format, &mut core).expect("its size");
                 assert!(core == drawn, "seed {seed}, {format:?}: the overlay");
             }
         }

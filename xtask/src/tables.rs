@@ -36,6 +36,7 @@ pub struct Recipe {
     pub size_px: [u16; 2],
     max_error_px: f64,
     feather_deg: f64,
+    scales_deg: Option<f64>,
 }
 
 impl Recipe {
@@ -57,7 +58,11 @@ impl Recipe {
             max_error_px: self.max_error_px,
             feather_rad: self.feather_deg.to_radians(),
         };
-        bake(&self.rig()?, &options).with_context(|| self.file.clone())
+        let baked = bake(&self.rig()?, &options).with_context(|| self.file.clone())?;
+        Ok(match self.scales_deg {
+            Some(step_deg) => baked.with_scales(step_deg)?,
+            None => baked,
+        })
     }
 }
 

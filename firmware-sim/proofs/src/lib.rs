@@ -9,8 +9,8 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 
 use tectum_core::{
-    BinaryAngle, Direction, Exposure, Eye, Frame, Gains, Lookup, Meter, PixelFormat, Sampler,
-    Stitcher, Tables, Tone,
+    AngularSize, BinaryAngle, Direction, Exposure, Eye, Frame, Gains, Lookup, Meter, Painter,
+    PixelBox, PixelFormat, Sampler, Stitcher, Tables, Targets, Tone, View,
 };
 
 #[panic_handler]
@@ -102,4 +102,39 @@ pub fn lookup() {
         pitch: BinaryAngle(black_box(0)),
     };
     let _ = black_box(lookup.pixel_of_direction(direction));
+    let _ = black_box(lookup.eye_pixel_of_direction(eye, direction));
+}
+
+/// Draws scales.
+pub fn overlay<F: PixelFormat>(out: &mut [u8]) {
+    let Ok(tables) = Tables::parse(bytes()) else {
+        return;
+    };
+    let painter = tables.overlay().map(Painter::<F>::new);
+    let _ = black_box(painter.map(|painter| painter.row(black_box(0), black_box(out))));
+}
+
+/// Makes targets of boxes.
+pub fn targets() {
+    let Ok(tables) = Tables::parse(bytes()) else {
+        return;
+    };
+    let mut targets = Targets::<16>::new(&tables);
+    let pixels = PixelBox {
+        x: 1,
+        y: 2,
+        width: 3,
+        height: 4,
+    };
+    for _ in 0..black_box(3) {
+        let view = if black_box(true) {
+            View::Eye(Eye::Left)
+        } else {
+            View::Stitched
+        };
+        let _ = black_box(targets.add(view, black_box(pixels)));
+    }
+    let tolerance = Targets::<16>::parallax(&tables, black_box(0.5));
+    let _ = black_box(targets.merged(tolerance.max(AngularSize(black_box(9)))));
+    targets.clear();
 }

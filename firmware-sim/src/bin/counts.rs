@@ -1,16 +1,18 @@
-//! Instructions of the core for each output pixel, by format, sampler and kind of pixel; for tone on
-//! top; and for following exposure.
+//! Instructions of the core for each output pixel, by format, sampler and kind of pixel; for tone and
+//! scales on top; for following exposure; for look-up and targets.
 #![no_std]
 #![no_main]
 
 use tectum_board::{Counter, entry, exit_success};
 use tectum_core::{
-    Exposure, Eye, Gains, Gray8, Meter, PixelFormat, Rgb8, Rgb565, Sampler, StitchError, Stitcher,
-    Tables, Tone, Yuyv,
+    BinaryAngle, Direction, Exposure, Eye, Gains, Gray8, Lookup, Meter, Painter, PixelFormat, Rgb8,
+    Rgb565, Sampler, StitchError, Stitcher, Tables, Targets, Tone, Yuyv,
 };
 use tectum_firmware_sim::{data, log};
+use tectum_fixture::boxes::{self, BOXES, TOLERANCE};
 use tectum_fixture::frames::Layout;
 use tectum_fixture::job::{SAMPLERS, pair};
+use tectum_fixture::overlay::draw;
 
 /// Kinds of pixels, each with a table that has no other.
 const KINDS: [(&str, &[u8]); 4] = [
@@ -34,7 +36,80 @@ fn main() -> ! {
     count_tone::<Rgb565>(&mut counter, ROOM, Layout::Rgb565);
     count_tone::<Yuyv>(&mut counter, ROOM, Layout::Yuyv);
     count_tone::<Rgb8>(&mut counter, ROOM, Layout::Rgb8);
+    count_scales::<Gray8>(&mut counter, ROOM);
+    count_scales::<Rgb565>(&mut counter, ROOM);
+    count_scales::<Yuyv>(&mut counter, ROOM);
+    count_scales::<Rgb8>(&mut counter, ROOM);
+    count_lookup(&mut counter);
+    count_targets(&mut counter);
     exit_success()
+}
+
+/// Scales over a picture, for each of its pixels.
+fn count_scales<F: PixelFormat>(counter: &mut Counter, room: &mut [u8]) {
+    let tables = defmt::unwrap!(Tables::parse(data::SCALED));
+    let painter = Painter::<F>::new(defmt::unwrap!(tables.overlay()));
+    let row_bytes = usize::from(tables.output_width_px()) * F::BYTES_PER_PIXEL;
+    let picture = &mut room[..row_bytes * usize::from(tables.output_height_px())];
+    let (instructions, result) = counter.instructions(|| draw(&painter, picture, row_bytes));
+    defmt::unwrap!(result);
+    log_per_pixel(format_args!("{} scales", F::NAME), &tables, instructions);
+}
+
+/// Queries of each kind, the mean over some places.
+fn count_lookup(counter: &mut Counter) {
+    let tables = defmt::unwrap!(Tables::parse(data::PICTURE));
+    let lookup = Lookup::new(&tables);
+    let around = || {
+        (0i16..16).map(|i| Direction {
+            yaw: BinaryAngle(9000 + 500 * i),
+            pitch: BinaryAngle(500 * i - 4000),
+        })
+    };
+    let pixels = || (0..16).map(|i| [(100 + 5 * i) << 8, (60 + 6 * i) << 8]);
+    let mut log_mean = |what: &str, ask: &dyn Fn() -> usize| {
+        let (instructions, answers) = counter.instructions(ask);
+        defmt::assert!(answers == 16);
+        log(&format_args!(
+            "lookup {what} {} instructions/query",
+            instructions / 16
+        ));
+    };
+    log_mean("direction of output pixel", &|| {
+        pixels()
+            .filter_map(|p| lookup.direction_of_pixel(p))
+            .count()
+    });
+    log_mean("output pixel of direction", &|| {
+        around()
+            .filter_map(|d| lookup.pixel_of_direction(d))
+            .count()
+    });
+    log_mean("direction of eye pixel", &|| {
+        let asked = pixels().map(|p| lookup.direction_of_eye_pixel(Eye::Left, p));
+        asked.flatten().count()
+    });
+    log_mean("eye pixel of direction", &|| {
+        let asked = around().map(|d| lookup.eye_pixel_of_direction(Eye::Left, d));
+        asked.flatten().count()
+    });
+}
+
+/// Boxes of a moment, taken and merged.
+fn count_targets(counter: &mut Counter) {
+    let tables = defmt::unwrap!(Tables::parse(data::PICTURE));
+    let mut targets = Targets::<BOXES>::new(&tables);
+    let (instructions, result) =
+        counter.instructions(|| boxes::add(&mut targets, boxes::boxes(&tables)));
+    defmt::unwrap!(result);
+    log(&format_args!(
+        "targets {BOXES} boxes taken {instructions} instructions/frame"
+    ));
+    let (instructions, merged) = counter.instructions(|| targets.merged(TOLERANCE));
+    defmt::assert!(!merged.is_empty());
+    log(&format_args!(
+        "targets {BOXES} boxes merged {instructions} instructions/frame"
+    ));
 }
 
 /// Tone with a curve for every channel: what a picture of one eye takes more than without. Then

@@ -1,5 +1,5 @@
-//! Asks for directions and pixels over a grid and logs CRC-32s of the answers, which the host must
-//! repeat.
+//! Asks for directions and pixels over a grid, makes targets of boxes, and logs CRC-32s of the
+//! answers, which the host must repeat.
 #![no_std]
 #![no_main]
 

@@ -129,7 +129,7 @@ fn draw_overlay_as<F: PixelFormat>(
     overlay: &Overlay<'_>,
     picture: &mut [u8],
 ) -> Result<(), StitchFailure> {
-    let painter = Painter::<F>::new(overlay);
+    let painter = Painter::<F>::new(*overlay);
     let [width, height] = overlay.size_px().map(usize::from);
     let row_bytes = width * F::BYTES_PER_PIXEL;
     if picture.len() != row_bytes * height {

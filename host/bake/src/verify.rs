@@ -147,9 +147,9 @@ fn compare(
         }
         // The same picture with the table's scales, if it has any.
         if let (Some(overlay), Some(plain)) = (tables.overlay(), expected) {
-            let expected = overlay::draw(overlay, format, &plain);
+            let expected = overlay::draw(&overlay, format, &plain);
             let mut core = plain;
-            draw_overlay(overlay, format, &mut core)?;
+            draw_overlay(&overlay, format, &mut core)?;
             result.bytes_compared += core.len();
             result.mismatches += differing(&core, &expected);
         }

@@ -7,17 +7,21 @@ use anyhow::{Context, anyhow, bail};
 use tectum_core::{Eye, Tables};
 use tectum_fixture::frames::{self, Layout};
 use tectum_fixture::job::JobError;
-use tectum_fixture::{job, queries, table_file, tone, toned};
+use tectum_fixture::{job, overlay, queries, scaled_table_file, table_file, tone, toned};
 
 use super::board::Board;
 use super::repository;
 
 /// What a program should log, for those that this machine can repeat.
 pub fn lines(board: Board, program: &str) -> anyhow::Result<Option<Vec<String>>> {
-    if !["stitch", "tone", "lookup"].contains(&program) {
+    if !["stitch", "tone", "overlay", "lookup"].contains(&program) {
         return Ok(None);
     }
-    let file = table_file(board.name()).ok_or_else(|| anyhow!("no table for this board"))?;
+    let file = match program {
+        "overlay" => scaled_table_file(board.name()),
+        _ => table_file(board.name()),
+    };
+    let file = file.ok_or_else(|| anyhow!("no table for this board"))?;
     let bytes = fs::read(repository().join(file)).with_context(|| format!("reading {file}"))?;
     let tables = Tables::parse(&bytes).with_context(|| format!("checking {file}"))?;
     match program {
@@ -31,6 +35,9 @@ pub fn lines(board: Board, program: &str) -> anyhow::Result<Option<Vec<String>>>
                 tone::run(&tables, frames, room, log)
             })
         }
+        "overlay" => on_frames(&tables, |frames, room, log| {
+            overlay::run(&tables, frames, room, log)
+        }),
         _ => lookup(&tables),
     }
     .map(Some)

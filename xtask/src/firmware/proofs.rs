@@ -59,7 +59,7 @@ fn code_size(builder: Builder, bless: bool) -> anyhow::Result<()> {
     let size =
         |program: &str| anyhow::Ok(flash_bytes(builder, &format!("size_{program}"))? - baseline);
     let mut lines = vec![builder.toolchain.version()];
-    for part in ["parse", "lookup", "exposure"] {
+    for part in ["parse", "overlay", "lookup", "targets", "exposure"] {
         lines.push(format!("{part} {} bytes", size(part)?));
     }
     let mut over_budget = Vec::new();

@@ -14,9 +14,10 @@ use super::{emulate, host, proofs, workspace};
 use crate::steps::Outcome;
 
 /// Programs that run, and how their output is compared.
-const PROGRAMS: [(&str, Compare); 5] = [
+const PROGRAMS: [(&str, Compare); 6] = [
     ("stitch", Compare::Exact),
     ("tone", Compare::Exact),
+    ("overlay", Compare::Exact),
     ("lookup", Compare::Exact),
     ("counts", Compare::Figures),
     ("stack", Compare::Figures),
@@ -31,7 +32,7 @@ pub struct Args {
     /// One board alone
     #[arg(long)]
     board: Option<Board>,
-    /// One program alone: stitch, tone, lookup, counts, stack or proofs
+    /// One program alone: stitch, tone, overlay, lookup, counts, stack or proofs
     name: Option<String>,
 }
 

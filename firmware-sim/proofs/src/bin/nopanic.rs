@@ -4,7 +4,7 @@
 
 use tectum_board::{entry, exit_success};
 use tectum_core::{Gray8, Rgb8, Rgb565, Yuyv};
-use tectum_proofs::{exposure, lookup, stitch};
+use tectum_proofs::{exposure, lookup, overlay, stitch, targets};
 
 #[entry]
 fn main() -> ! {
@@ -17,7 +17,12 @@ fn main() -> ! {
     exposure::<Rgb565>();
     exposure::<Yuyv>();
     exposure::<Rgb8>();
+    overlay::<Gray8>(ROOM);
+    overlay::<Rgb565>(ROOM);
+    overlay::<Yuyv>(ROOM);
+    overlay::<Rgb8>(ROOM);
     lookup();
+    targets();
     #[cfg(feature = "deliberate-panic")]
     {
         ROOM[core::hint::black_box(64)] = 0;

@@ -127,6 +127,7 @@ impl Attitude {
             roll_deg: self.roll_deg,
             ..Pose::default()
         };
-        Rotation3::from_matrix_unchecked(pose.world_from_body())
+        // A sine of -0 would put lines at 180 degrees to the other border.
+        Rotation3::from_matrix_unchecked(pose.world_from_body().map(|v| v + 0.0))
     }
 }

@@ -12,7 +12,7 @@ use tectum_core::{Channel, Eye};
 use tectum_optics::convention::yaw_pitch;
 use tectum_optics::design::Area;
 use tectum_optics::{Rig, RigEye};
-use tectum_tables::{Mesh, Overlay, RunKind, Tables};
+use tectum_tables::{Mesh, RunKind, Tables};
 
 use crate::areas;
 use crate::report::{Report, Usage};
@@ -115,7 +115,7 @@ fn table(tables: &Tables<'_>, file: &Path) -> Report {
     if pairs > 0 {
         let _ = writeln!(text, "meter   {pairs} pairs of pixels that both eyes see");
     }
-    let overlay_bytes = tables.overlay().map_or(0, Overlay::length_bytes);
+    let overlay_bytes = tables.overlay().map_or(0, |overlay| overlay.length_bytes());
     if overlay_bytes > 0 {
         let _ = writeln!(text, "scales  {overlay_bytes} bytes of lines and labels");
     }

@@ -28,6 +28,11 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             args.output.display()
         ),
     };
+    let scales = match (args.scales, &args.attitude) {
+        (Some(step_deg), Some(file)) => Some(LiveScales::of_world(tables, step_deg, file)?),
+        (Some(step_deg), None) => Some(LiveScales::of_body(tables, step_deg)?),
+        (None, _) => None,
+    };
     let [left, right] = [&args.left, &args.right].map(|path| path.as_deref());
     let mut feed = open(left, right, &args.cameras, Some(size_px), false)?;
     let recorder = if to_stdout {
@@ -39,11 +44,6 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         )
     } else {
         Recorder::create(&args.output, kind, feed.rate())?.without_times()
-    };
-    let scales = match (args.scales, &args.attitude) {
-        (Some(step_deg), Some(file)) => Some(LiveScales::of_world(tables, step_deg, file)?),
-        (Some(step_deg), None) => Some(LiveScales::of_body(tables, step_deg)?),
-        (None, _) => None,
     };
     let sampler = args.sampler.into();
     let stage = (&args.limits, &args.view);

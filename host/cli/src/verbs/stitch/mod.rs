@@ -149,7 +149,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
     match (args.scales, tables.overlay()) {
         (None, _) => {}
-        (Some(None), Some(overlay)) => draw_overlay(overlay, format, &mut stitched)?,
+        (Some(None), Some(overlay)) => draw_overlay(&overlay, format, &mut stitched)?,
         (Some(step_deg), _) => {
             let map = output_map(&tables);
             Scales::new(&map, step_deg.unwrap_or(USUAL_STEP_DEG))?.draw(
