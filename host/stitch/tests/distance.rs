@@ -58,10 +58,7 @@ fn the_walls_distance_is_found_whatever_the_rig_says() {
         assert!(found.is_clear, "{found:?}");
         // Half a step of parallax, which is a pixel of 512 a turn.
         let off = 0.12 * (1.0 / found.distance_m - 1.0 / radius_m);
-        assert!(
-            off.abs() < 0.5 * std::f64::consts::TAU / 512.0,
-            "{found:?}"
-        );
+        assert!(off.abs() < 0.5 * std::f64::consts::TAU / 512.0, "{found:?}");
     }
 }
 
