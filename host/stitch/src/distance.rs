@@ -13,8 +13,9 @@ use tectum_optics::Rig;
 use crate::seam::{Gray, SeamError, band, ssim_map};
 use crate::{Eyes, Views};
 
-/// Frame of the comparison, px a turn; its pixel is a step of parallax.
-const WIDTH_PX: u16 = 1024;
+/// Frame of the comparison, px a turn; its pixel is a step of parallax. Twice as many cost eight
+/// times as much.
+const WIDTH_PX: u16 = 512;
 /// Nearest distance tried, m.
 const NEAREST_M: f64 = 0.2;
 /// Eyes nearer together than this have one distance, m.

@@ -56,12 +56,9 @@ fn the_walls_distance_is_found_whatever_the_rig_says() {
             found.distance_m, found.ssim, found.ssim_of_rig, found.gain_standard_error
         );
         assert!(found.is_clear, "{found:?}");
-        // Half a step of parallax, which is a pixel of 1024 a turn; the eyes' pixels are wider.
+        // Half a step of parallax, which is a pixel of 512 a turn.
         let off = 0.12 * (1.0 / found.distance_m - 1.0 / radius_m);
-        assert!(
-            off.abs() < 0.5 * std::f64::consts::TAU / 1024.0,
-            "{found:?}"
-        );
+        assert!(off.abs() < 0.5 * std::f64::consts::TAU / 512.0, "{found:?}");
     }
 }
 

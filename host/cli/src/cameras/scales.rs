@@ -55,7 +55,7 @@ impl LiveScales {
     /// Scales of the body: every `step_deg` or, if that is not said, the table's own if it has any.
     pub fn of_body(tables: &Tables<'static>, step_deg: Option<f64>) -> anyhow::Result<Self> {
         match (step_deg, tables.overlay()) {
-            (None, Some(overlay)) => Ok(Self::Baked(*overlay)),
+            (None, Some(overlay)) => Ok(Self::Baked(overlay)),
             _ => {
                 let map = output_map(tables);
                 let scales = Scales::new(&map, step_deg.unwrap_or(USUAL_STEP_DEG))?;
