@@ -127,6 +127,7 @@ fn published(file: &Path) -> Calibration {
         parameters: Vec::new(),
         covariance: DMatrix::zeros(0, 0),
         scores: Vec::new(),
+        board_shape: None,
     }
 }
 

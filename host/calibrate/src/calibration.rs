@@ -3,6 +3,8 @@
 use nalgebra::{DMatrix, Rotation3, Vector3};
 use tectum_optics::CameraModel;
 
+use crate::BoardShape;
+
 /// Where a board is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoardPose {
@@ -125,6 +127,8 @@ pub struct Calibration {
     pub covariance: DMatrix<f64>,
     /// All models tried, the chosen one included.
     pub scores: Vec<ModelScore>,
+    /// How the board departs from a flat one, where held-out pictures show that it does.
+    pub board_shape: Option<BoardShape>,
 }
 
 impl Calibration {

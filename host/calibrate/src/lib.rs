@@ -4,6 +4,7 @@
 //! turns them into a camera model with standard errors, [`target`] prints what is photographed.
 
 mod board;
+mod board_shape;
 mod calibration;
 pub mod detect;
 mod dictionary;
@@ -14,6 +15,7 @@ pub mod stereo;
 pub mod target;
 
 pub use board::{Board, BoardSize, BoardSizeError, Corner, View};
+pub use board_shape::BoardShape;
 pub use calibration::{
     BoardPose, Calibration, CornerFit, ModelScore, Parameter, Rejection, ViewFit,
 };

@@ -18,9 +18,9 @@ const SETS: [(&str, &str, usize, usize); 10] = [
     ("camodocal-car-fisheye/images", "9x6", 32, 1728),
     ("gopro-derlunz/images", "15x9", 12, 1620),
     ("svs-fisheye-dyfcalid/board", "7x6", 10, 420),
-    // Corners drowned in glare are not sure, and left out.
-    ("t265-air-underwater/air", "7x5", 21, 869),
-    ("t265-air-underwater/underwater", "7x5", 19, 698),
+    // One corner is drowned in glare, and left out.
+    ("t265-air-underwater/air", "7x5", 24, 874),
+    ("t265-air-underwater/underwater", "7x5", 20, 700),
 ];
 
 /// The folder of real pictures; `None`, with a word, where it is absent.
@@ -144,6 +144,8 @@ fn covered(picture: &GrayImage, view: &View) -> Vec<Covered> {
         (0.7, 0.4, 90),
         (0.5, 0.8, 30),
         (0.1, 0.6, 220),
+        // As white as glare.
+        (0.6, 0.6, 255),
     ] {
         let (centre, radius) = ([between(xs, u), between(ys, v)], 0.17 * size);
         let away = move |at: [f64; 2]| (at[0] - centre[0]).hypot(at[1] - centre[1]) - radius;
@@ -218,9 +220,9 @@ fn partly_covered_boards_keep_their_corners() {
     );
     assert_eq!(wrong, 0);
     assert!(found as f64 >= 0.95 * visible as f64);
-    // Beside a blot that covers a part of a square the fit may lean on the blot's rim: one corner in
-    // a thousand is what that costs today.
-    assert!(misplaced as f64 <= 1e-3 * found as f64);
+    // Beside a blot that covers a part of a square the fit may lean on the blot's rim, most where the
+    // blot is as white as glare: fewer than two corners in a thousand is what that costs today.
+    assert!(misplaced as f64 <= 2e-3 * found as f64);
 }
 
 /// Corners visible, of these found, wrong ones, misplaced ones, boards.

@@ -72,12 +72,19 @@ fn parameters(facts: &Facts) -> String {
         )
     });
     let rows: String = rows.collect();
+    let board = match &facts.input.calibration.board_shape {
+        Some(shape) => format!(
+            " The board is {shape}: pictures held out are explained better so, and every picture is \
+             judged with that board."
+        ),
+        None => " No bend of the board that all pictures share shows on pictures held out.".into(),
+    };
     format!(
         "<section id=\"parameters\"><h2>Parameters</h2>\n<div class=\"wide\"><table>\
          <tr><th>parameter</th><th class=\"n\">estimate</th><th class=\"n\">standard error</th>\
          <th class=\"n\">relative</th></tr>\n{rows}</table></div><p class=\"dim\">One sigma, poses \
          marginalised. Coefficients of a polynomial depend on each other: what counts is the \
-         uncertainty of directions above.</p></section>\n"
+         uncertainty of directions above.{board}</p></section>\n"
     )
 }
 

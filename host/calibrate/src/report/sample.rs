@@ -223,6 +223,7 @@ fn calibration() -> Calibration {
         covariance: DMatrix::zeros(10, 10),
         parameters: parameters.into(),
         scores: scores.into(),
+        board_shape: None,
     }
 }
 

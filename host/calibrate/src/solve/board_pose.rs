@@ -10,7 +10,7 @@ use crate::{Board, BoardPose, Calibration, View};
 /// Steps of the refinement, at most.
 const STEPS: usize = 50;
 
-/// Pose of a board in a view, the camera fixed, and each corner's residual (seen minus computed
+/// Pose of a board in a view, the camera and the board's shape fixed, and each corner's residual (seen minus computed
 /// `[x, y]`, px) in the view's order: least squares over **all** corners, outliers included, which
 /// is how held-out views are judged. `None` if fewer than 4 corners are seen, or no pose explains
 /// them at all.
@@ -22,7 +22,10 @@ pub fn board_pose(
     let parameters = calibration.parameters.iter();
     let names: Vec<_> = parameters.map(|parameter| &*parameter.name).collect();
     let (lens, p) = from_camera(&calibration.model, &names)?;
-    let sight = Sight::new(view);
+    let mut sight = Sight::new(view, board.size);
+    if let Some(shape) = calibration.board_shape {
+        sight = sight.shaped(&shape.to_terms(board.size, board.square_mm));
+    }
     if sight.count() < 4 {
         return None;
     }

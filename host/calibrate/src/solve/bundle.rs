@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix6, Vector2, Vector6};
 
 use super::lens::{Lens, MAX_PARAMETERS, Projection};
 use super::sight::{Pose, Sight};
+use crate::board_shape::{TERMS, Terms};
 
 /// Residual of a corner that the lens cannot see at all, px: greater than any that a refinement
 /// starts with, and the same everywhere, so such a corner pulls nowhere.
@@ -36,6 +37,8 @@ pub struct State {
     pub lens: Vec<f64>,
     /// By sight.
     pub poses: Vec<Pose>,
+    /// Shape of the board on top of that of the sights.
+    pub shape: Terms,
     /// Cost, px^2.
     pub cost: f64,
 }
@@ -45,9 +48,10 @@ pub fn residual(
     lens: &dyn Lens,
     p: &[f64],
     pose: &Pose,
+    shape: &Terms,
     target: &super::sight::Target,
 ) -> Option<(Vector2<f64>, Projection, Matrix2x6<f64>)> {
-    let arm = pose.rotation * target.point;
+    let arm = pose.rotation * target.shaped(shape);
     let seen = lens.project(p, &(arm + pose.position))?;
     // d(exp(w) arm)/dw = -[arm]x.
     let mut by_pose = Matrix2x6::zeros();
@@ -60,15 +64,23 @@ pub fn residual(
 
 /// Residuals of all corners of a sight, used or not; infinite where the lens sees nothing.
 pub fn residuals(lens: &dyn Lens, p: &[f64], pose: &Pose, sight: &Sight) -> Vec<Vector2<f64>> {
-    let of = |target| residual(lens, p, pose, target).map(|(residual, ..)| residual);
+    let flat = Terms::zeros();
+    let of = |target| residual(lens, p, pose, &flat, target).map(|(residual, ..)| residual);
     let all = sight.targets.iter().map(of);
     all.map(|r| r.unwrap_or(Vector2::repeat(f64::INFINITY)))
         .collect()
 }
 
 /// Cost of a sight's corners in use.
-fn sight_cost(lens: &dyn Lens, p: &[f64], pose: &Pose, sight: &Sight, loss: Loss) -> f64 {
-    let of = |target| match residual(lens, p, pose, target) {
+fn sight_cost(
+    lens: &dyn Lens,
+    p: &[f64],
+    pose: &Pose,
+    shape: &Terms,
+    sight: &Sight,
+    loss: Loss,
+) -> f64 {
+    let of = |target| match residual(lens, p, pose, shape, target) {
         Some((residual, ..)) => residual.norm_squared().min(UNSEEN_PX * UNSEEN_PX),
         None => UNSEEN_PX * UNSEEN_PX,
     };
@@ -85,12 +97,13 @@ pub fn refine_pose(
     steps: usize,
 ) -> (Pose, f64) {
     let mut pose = start;
-    let mut cost = sight_cost(lens, p, &pose, sight, loss);
+    let shape = Terms::zeros();
+    let mut cost = sight_cost(lens, p, &pose, &shape, sight, loss);
     let mut damping = 1e-3;
     for _ in 0..steps {
         let (mut normal, mut gradient) = (Matrix6::zeros(), Vector6::zeros());
         for target in sight.used() {
-            let Some((residual, _, by_pose)) = residual(lens, p, &pose, target) else {
+            let Some((residual, _, by_pose)) = residual(lens, p, &pose, &shape, target) else {
                 continue;
             };
             let weight = loss.weigh(residual.norm_squared()).1;
@@ -106,7 +119,7 @@ pub fn refine_pose(
             let next = damped
                 .cholesky()
                 .map(|solver| pose.moved(&solver.solve(&-gradient)));
-            let next = next.map(|next| (next, sight_cost(lens, p, &next, sight, loss)));
+            let next = next.map(|next| (next, sight_cost(lens, p, &next, &shape, sight, loss)));
             if let Some((next, next_cost)) = next.filter(|(_, next_cost)| *next_cost < cost) {
                 better = Some((next, next_cost));
                 damping = f64::max(damping * 0.1, 1e-12);
@@ -126,7 +139,8 @@ pub fn refine_pose(
     (pose, cost)
 }
 
-/// Normal equations of one sight.
+/// Normal equations of one sight; the terms of the board's shape, where they are free, follow the
+/// lens's parameters.
 struct Block {
     lens: DMatrix<f64>,
     lens_gradient: DVector<f64>,
@@ -137,16 +151,21 @@ struct Block {
 }
 
 impl Block {
-    fn new(lens: &dyn Lens, p: &[f64], pose: &Pose, sight: &Sight, loss: Loss) -> Self {
-        let n = p.len();
+    fn new(bundle: &Bundle<'_>, state: &State, pose: &Pose, sight: &Sight) -> Self {
+        let (p, loss) = (&state.lens, bundle.loss);
+        let n = bundle.globals(p);
         let mut upper = [[0.0; MAX_PARAMETERS]; MAX_PARAMETERS];
         let mut lens_gradient = [0.0; MAX_PARAMETERS];
         let mut mixed = [[0.0; 6]; MAX_PARAMETERS];
         let (mut by_poses, mut pose_gradient) = (Matrix6::zeros(), Vector6::zeros());
         for target in sight.used() {
-            let Some((residual, seen, by_pose)) = residual(lens, p, pose, target) else {
+            let computed = residual(bundle.lens, p, pose, &state.shape, target);
+            let Some((residual, mut seen, by_pose)) = computed else {
                 continue;
             };
+            for (by, term) in seen.by_lens[p.len()..n].iter_mut().zip(&target.by_shape) {
+                *by = seen.by_ray * (pose.rotation * term);
+            }
             let weight = loss.weigh(residual.norm_squared()).1;
             for a in 0..n {
                 let by = seen.by_lens[a] * weight;
@@ -180,6 +199,8 @@ pub struct Bundle<'a> {
     pub sights: &'a [Sight],
     /// Loss.
     pub loss: Loss,
+    /// Whether the shape of the board is fitted, too.
+    pub free_shape: bool,
     /// Share of the cost that a step must gain for another to follow.
     pub end: f64,
 }
@@ -190,20 +211,28 @@ pub const EXACT: f64 = 1e-10;
 pub const ROUGH: f64 = 1e-5;
 
 impl Bundle<'_> {
+    /// Number of unknowns that all views share.
+    fn globals(&self, p: &[f64]) -> usize {
+        p.len() + if self.free_shape { TERMS } else { 0 }
+    }
+
     /// Cost of a state, px^2.
-    pub fn cost(&self, p: &[f64], poses: &[Pose]) -> f64 {
+    pub fn cost(&self, p: &[f64], poses: &[Pose], shape: &Terms) -> f64 {
         let corners = self.sights.iter().zip(poses);
-        let corners = corners.map(|(sight, pose)| sight_cost(self.lens, p, pose, sight, self.loss));
+        let corners =
+            corners.map(|(sight, pose)| sight_cost(self.lens, p, pose, shape, sight, self.loss));
         corners.sum()
     }
 
     /// Refines until the cost falls no more, at most `steps` times; `None` if the start is not
     /// finite.
     pub fn refine(&self, p: Vec<f64>, poses: Vec<Pose>, steps: usize) -> Option<State> {
-        let cost = self.cost(&p, &poses);
+        let shape = Terms::zeros();
+        let cost = self.cost(&p, &poses, &shape);
         let mut state = State {
             lens: p,
             poses,
+            shape,
             cost,
         };
         if !(cost.is_finite() && state.lens.iter().all(|x| x.is_finite())) {
@@ -236,12 +265,12 @@ impl Bundle<'_> {
     fn blocks(&self, state: &State) -> Vec<Block> {
         let views = self.sights.iter().zip(&state.poses);
         views
-            .map(|(sight, pose)| Block::new(self.lens, &state.lens, pose, sight, self.loss))
+            .map(|(sight, pose)| Block::new(self, state, pose, sight))
             .collect()
     }
 
     fn step(&self, state: &State, blocks: &[Block], damping: f64) -> Option<State> {
-        let n = state.lens.len();
+        let n = self.globals(&state.lens);
         let (mut normal, mut gradient) = (DMatrix::zeros(n, n), DVector::zeros(n));
         for block in blocks {
             normal += &block.lens;
@@ -276,14 +305,23 @@ impl Bundle<'_> {
                 pose.moved(&(inverse * Vector6::from_iterator(right.iter().copied())))
             })
             .collect();
-        let cost = self.cost(&lens, &poses);
-        cost.is_finite().then_some(State { lens, poses, cost })
+        let moved = step.iter().skip(lens.len());
+        let mut shape = state.shape;
+        shape.iter_mut().zip(moved).for_each(|(x, s)| *x -= s);
+        let cost = self.cost(&lens, &poses, &shape);
+        cost.is_finite().then_some(State {
+            lens,
+            poses,
+            shape,
+            cost,
+        })
     }
 
     /// Inverse of the lens's normal equations with the poses eliminated: times the variance of a
-    /// coordinate this is the lens's covariance. `None` if the corners do not fix the lens.
+    /// coordinate this is the lens's covariance; that of a free shape follows. `None` if the corners do
+    /// not fix the lens.
     pub fn cofactors(&self, state: &State) -> Option<DMatrix<f64>> {
-        let n = state.lens.len();
+        let n = self.globals(&state.lens);
         let mut normal = DMatrix::zeros(n, n);
         for block in self.blocks(state) {
             let inverse = block.pose.cholesky()?.inverse();

@@ -148,13 +148,13 @@ fn hold_out(candidates: &mut [Candidate<'_>]) {
                 candidate.camera = Err(format!("too stiff: {best:.3} px RMS can be had"));
             }
             let fit = candidate.fit.as_ref();
-            candidate.held_out = fit.and_then(|fit| held_out(candidate.lens, fit));
+            candidate.held_out = fit.and_then(|fit| held_out(candidate.lens, fit, false));
         });
 }
 
-/// Mean squared residual of each view with a lens from the other folds' views; `None` where there
-/// are too few views or a fit fails.
-fn held_out(lens: &dyn Lens, fit: &Fit) -> Option<Vec<f64>> {
+/// Mean squared residual of each view with a lens, and perhaps a shape of the board, from the other
+/// folds' views; `None` where there are too few views or a fit fails.
+pub fn held_out(lens: &dyn Lens, fit: &Fit, free_shape: bool) -> Option<Vec<f64>> {
     let (sights, poses) = fit.active();
     if sights.len() < MIN_VIEWS {
         return None;
@@ -172,14 +172,16 @@ fn held_out(lens: &dyn Lens, fit: &Fit) -> Option<Vec<f64>> {
             lens,
             sights: &sights_in,
             loss: fit.loss(),
+            free_shape,
             end: bundle::ROUGH,
         };
         let state = bundle.refine(fit.p.clone(), poses_in, 30)?;
         let (sights_out, poses_out) = pick(true);
         let views = sights_out.iter().zip(poses_out).enumerate();
         let errors = views.map(|(k, (sight, start))| {
-            let pose = refine_pose(lens, &state.lens, start, sight, fit.loss(), 30).0;
-            let one = std::slice::from_ref(sight);
+            let sight = sight.clone().shaped(&state.shape);
+            let pose = refine_pose(lens, &state.lens, start, &sight, fit.loss(), 30).0;
+            let one = std::slice::from_ref(&sight);
             let (sum, count) = square_sum(lens, &state.lens, one, &[pose]);
             (fold + k * folds, sum / count as f64)
         });
@@ -259,7 +261,7 @@ fn without_idle_extras(candidates: &[Candidate<'_>], wanted: Vec<usize>) -> Vec<
 }
 
 /// Mean of `a - b` over views, and its standard error.
-fn excess(a: &[f64], b: &[f64]) -> (f64, f64) {
+pub fn excess(a: &[f64], b: &[f64]) -> (f64, f64) {
     let excess: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let n = excess.len() as f64;
     let mean = excess.iter().sum::<f64>() / n;

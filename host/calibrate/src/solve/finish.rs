@@ -9,6 +9,7 @@ use super::lens::Lens;
 use super::sight::Sight;
 use super::{CalibrateError, Problem, check, pose};
 use crate::Calibration;
+use crate::board_shape::{BoardShape, Terms};
 use crate::calibration::{CornerFit, ModelScore, Parameter, Rejection, ViewFit};
 
 /// Relative standard error of a scale in the picture (focal length, a0) beyond which the corners
@@ -49,8 +50,16 @@ pub fn calibration(
         parameters: parameters.collect(),
         covariance,
         scores: candidates.iter().map(score).collect(),
+        board_shape: is_shaped(fit).then(|| {
+            BoardShape::from_terms(&fit.shape, problem.board.size, problem.board.square_mm)
+        }),
         views,
     })
+}
+
+/// Whether the board was found to be other than flat and square.
+fn is_shaped(fit: &Fit) -> bool {
+    fit.shape != Terms::zeros()
 }
 
 fn score(candidate: &Candidate<'_>) -> ModelScore {
@@ -72,12 +81,14 @@ fn covariance(lens: &dyn Lens, fit: &Fit) -> Result<DMatrix<f64>, CalibrateError
         lens,
         sights: &sights,
         loss: fit.loss(),
+        free_shape: is_shaped(fit),
         end: bundle::EXACT,
     };
     let unknowns = lens.count() + 6 * poses.len();
     let state = State {
         lens: fit.p.clone(),
         poses,
+        shape: Terms::zeros(),
         cost: 0.0,
     };
     let spread_rad = check::normal_spread_rad(fit);

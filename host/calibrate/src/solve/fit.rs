@@ -6,6 +6,7 @@ use super::bundle::{self, Bundle, Loss, State, refine_pose, residuals};
 use super::lens::Lens;
 use super::pose;
 use super::sight::{Pose, Sight};
+use crate::board_shape::Terms;
 
 /// A residual of this many robust standard deviations counts linearly. Of normal noise, 1 % does.
 const HUBER_SIGMAS: f64 = 3.0;
@@ -41,6 +42,10 @@ pub struct Fit {
     pub parts: Vec<Part>,
     /// Robust standard deviation of a coordinate, px.
     pub sigma_px: f64,
+    /// Shape of the board, which the corners' places have in them.
+    pub shape: Terms,
+    /// Whether that is fitted, too.
+    pub free_shape: bool,
 }
 
 impl Fit {
@@ -71,6 +76,7 @@ impl Fit {
             lens,
             sights: &sights,
             loss: self.loss(),
+            free_shape: self.free_shape,
             end: bundle::EXACT,
         };
         let state = bundle.refine(p, poses, steps)?;
@@ -80,6 +86,10 @@ impl Fit {
     fn with_state(&self, state: State) -> Self {
         let mut fit = self.clone();
         fit.p = state.lens;
+        fit.shape += state.shape;
+        for part in &mut fit.parts {
+            part.sight = part.sight.clone().shaped(&state.shape);
+        }
         let active = fit.parts.iter_mut().filter(|part| part.active);
         let active = active.filter(|part| part.pose.is_some());
         for (part, pose) in active.zip(state.poses) {

@@ -15,11 +15,13 @@ mod fit;
 mod lens;
 mod linear;
 mod pose;
+mod shape;
 mod sight;
 mod start;
 #[cfg(test)]
 mod tests;
 
+use crate::board_shape::Terms;
 use crate::{Board, Calibration, View};
 pub use angular::AngularUncertainty;
 pub use board_pose::board_pose;
@@ -101,7 +103,11 @@ const WORST_SIGMA: f64 = 0.005;
 /// [`CalibrateError`] if the input is none, or fixes no camera.
 pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, CalibrateError> {
     check::input(problem, options)?;
-    let sights: Vec<Sight> = problem.views.iter().map(Sight::new).collect();
+    let sights: Vec<Sight> = problem
+        .views
+        .iter()
+        .map(|view| Sight::new(view, problem.board.size))
+        .collect();
     let usable: Vec<Sight> = sights
         .iter()
         .filter(|sight| sight.count() >= MIN_CORNERS)
@@ -125,8 +131,17 @@ pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, Ca
     }
     check::handedness(&base, options)?;
     let plain = families(&lens, options);
-    let mut candidates = choice::judged(&plain, &lens, &base, problem.size_px, options);
-    let best = choice::choose(&candidates, Model::Ocam);
+    let judged = |base: &Fit| choice::judged(&plain, &lens, base, problem.size_px, options);
+    let mut base = base;
+    let mut candidates = judged(&base);
+    let mut best = choice::choose(&candidates, Model::Ocam);
+    if best.is_some_and(|best| shape::is_seen(&candidates[best]))
+        && let Some(shaped) = shape::shaped(&lens, &base)
+    {
+        base = shaped;
+        candidates = judged(&base);
+        best = choice::choose(&candidates, Model::Ocam);
+    }
     let refined = best.map(|best| refinements(&lens, candidates[best].lens, options));
     let refined = refined.unwrap_or_default();
     let refined = choice::judged(&refined, &lens, &base, problem.size_px, options);
@@ -156,6 +171,8 @@ fn base(sights: Vec<Sight>, size_px: [u32; 2]) -> Option<(OcamLens, Fit)> {
         p: start.p,
         parts: parts.collect(),
         sigma_px: 1.0,
+        shape: Terms::zeros(),
+        free_shape: false,
     };
     let flexible = start.lens.with_degree(degree).with_skew(true);
     let p = flexible.meet_profile([fit.p[0], fit.p[1]], &choice::profile(&start.lens, &fit))?;

@@ -2,17 +2,28 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector2, Vector3, Vector6};
 
-use crate::{BoardPose, View};
+use crate::board_shape::{TERMS, Terms, by_terms, is_anchored};
+use crate::{BoardPose, BoardSize, View};
 
 /// A corner: where on the board (squares, about the view's mean), where in the picture (px).
 #[derive(Debug, Clone, Copy)]
 pub struct Target {
-    /// On the board; z = 0.
+    /// On the board; z = 0 where that is flat.
     pub point: Vector3<f64>,
+    /// The same by the terms of the board's shape; 0 where the view does not tell its place on it.
+    pub by_shape: [Vector3<f64>; TERMS],
     /// In the picture, px.
     pub pixel: Vector2<f64>,
     /// Takes part.
     pub used: bool,
+}
+
+impl Target {
+    /// Place on the board with a shape on top of that which it has.
+    pub fn shaped(&self, shape: &Terms) -> Vector3<f64> {
+        let moved = self.by_shape.iter().zip(shape.iter());
+        self.point + moved.map(|(by, term)| by * *term).sum::<Vector3<f64>>()
+    }
 }
 
 /// The corners of a view.
@@ -25,13 +36,18 @@ pub struct Sight {
 }
 
 impl Sight {
-    /// Corners of a view, all in use.
-    pub fn new(view: &View) -> Self {
+    /// Corners of a view of a flat board, all in use.
+    pub fn new(view: &View, board: BoardSize) -> Self {
+        let anchored = is_anchored(view, board);
         let label = |c: &crate::Corner| Vector3::new(f64::from(c.i), f64::from(c.j), 0.0);
         let count = view.corners.len().max(1) as f64;
         let origin = view.corners.iter().map(label).sum::<Vector3<f64>>() / count;
         let targets = view.corners.iter().map(|c| Target {
             point: label(c) - origin,
+            by_shape: match anchored {
+                true => by_terms(board, c.i, c.j),
+                false => [Vector3::zeros(); TERMS],
+            },
             pixel: Vector2::from(c.position_px),
             used: true,
         });
@@ -39,6 +55,14 @@ impl Sight {
             targets: targets.collect(),
             origin,
         }
+    }
+
+    /// The same with a shape on top of that which the board has.
+    pub fn shaped(mut self, shape: &Terms) -> Self {
+        for target in &mut self.targets {
+            target.point = target.shaped(shape);
+        }
+        self
     }
 
     /// Corners in use.

@@ -113,6 +113,7 @@ fn joint(lens: &OcamLens, p: Vec<f64>, poses: &[Option<Pose>], sights: &[Sight])
         lens,
         sights: &sights,
         loss: LOSS,
+        free_shape: false,
         end: bundle::ROUGH,
     };
     bundle.refine(p, views.iter().map(|view| view.1).collect(), 60)

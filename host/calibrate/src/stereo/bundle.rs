@@ -5,9 +5,10 @@ use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector3
 use tectum_optics::CameraModel;
 
 use super::StereoCalibration;
+use crate::board_shape::is_anchored;
 use crate::solve::Problem;
 use crate::solve::internal::{Lens, Pose, from_camera};
-use crate::{Calibration, Parameter};
+use crate::{Calibration, Corner, Parameter, View};
 
 /// Residual beyond which a corner counts linearly, in units of its eye's RMS.
 const HUBER: f64 = 3.0;
@@ -19,7 +20,7 @@ const UNSEEN_PX: f64 = 300.0;
 pub struct Eye {
     lens: Box<dyn Lens>,
     p: Vec<f64>,
-    /// By view: label and pixel of each corner used.
+    /// By view: place on the board and pixel of each corner used.
     corners: Vec<Vec<(Vector3<f64>, [f64; 2])>>,
     /// By view: camera <- board; `None` where the view takes no part.
     pub poses: Vec<Option<Pose>>,
@@ -37,6 +38,14 @@ impl Eye {
         if calibration.views.len() != problem.views.len() {
             return None;
         }
+        let board = &problem.board;
+        // How far the board's shape moves a corner, squares.
+        let moved = |view: &View, corner: &Corner| match &calibration.board_shape {
+            Some(shape) if is_anchored(view, board.size) => {
+                shape.offset_mm(board, corner.i, corner.j) / square_mm
+            }
+            _ => Vector3::zeros(),
+        };
         let (mut corners, mut poses) = (Vec::new(), Vec::new());
         for (fit, view) in calibration.views.iter().zip(&problem.views) {
             let pose = fit.pose.filter(|_| fit.rejection.is_none());
@@ -51,7 +60,7 @@ impl Eye {
                 .filter(|(_, fit)| fit.used);
             let used = used.map(|(c, _)| {
                 let label = Vector3::new(f64::from(c.i), f64::from(c.j), 0.0);
-                (label, c.position_px)
+                (label + moved(view, c), c.position_px)
             });
             corners.push(used.collect());
         }

@@ -65,6 +65,8 @@ pub struct Args {
     output: PathBuf,
 }
 
+/// Side of a marker beside a board where none is asked for, squares.
+const MARKER_SQUARES: f64 = 4.0;
 /// Resolution of a PNG where none is asked for.
 const DEFAULT_DPI: f64 = 300.0;
 
@@ -135,17 +137,26 @@ impl Args {
                 Err(Usage("nothing to print: give --board, --marker or both".into()).into())
             }
             (Some(size), []) => {
-                Ok(vec![self.with_square(|square_mm| {
-                    Ok(Target::Chessboard(Board { size, square_mm }))
-                })?])
+                let make = |square_mm| Ok(Target::Chessboard(Board { size, square_mm }));
+                Ok(vec![of_size(self.square_mm, SQUARE_MM, self.page, make)?])
             }
             (Some(size), [id]) => {
                 let beside = |square_mm: f64| {
-                    let marker = self.of_side(*id, self.marker_mm.unwrap_or(4.0 * square_mm));
+                    let side_mm = self.marker_mm.unwrap_or(MARKER_SQUARES * square_mm);
+                    let marker = self.of_side(*id, side_mm);
                     let board = Board { size, square_mm };
                     OverlapTarget::beside(board, marker).map(Target::Overlap)
                 };
-                Ok(vec![self.with_square(beside)?])
+                // Squares whose marker can be printed.
+                let allowed = match self.marker_mm {
+                    Some(_) => SQUARE_MM,
+                    None => {
+                        let [least, most] =
+                            [MARKER_MM.start(), MARKER_MM.end()].map(|mm| mm / MARKER_SQUARES);
+                        least.ceil()..=most.min(*SQUARE_MM.end())
+                    }
+                };
+                Ok(vec![of_size(self.square_mm, allowed, self.page, beside)?])
             }
             (Some(_), _) => Err(Usage("beside a board goes one marker: give one id".into()).into()),
             (None, ids) => Ok(ids
@@ -156,13 +167,6 @@ impl Args {
                 })
                 .collect::<Result<_, _>>()?),
         }
-    }
-
-    fn with_square(
-        &self,
-        make: impl Fn(f64) -> Result<Target, TargetError>,
-    ) -> Result<Target, TargetError> {
-        of_size(self.square_mm, SQUARE_MM, self.page, make)
     }
 
     fn of_side(&self, id: u32, side_mm: f64) -> Marker {

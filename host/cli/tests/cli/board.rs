@@ -111,3 +111,15 @@ fn bad_requests_say_what_is_allowed() {
         assert!(message.contains(part), "{arguments}: {message}");
     }
 }
+
+#[test]
+fn an_overlap_target_fills_its_page_by_itself() {
+    let bench = Bench::new();
+    let json = bench.json("board --board 8x6 --marker 7 -o overlap.pdf");
+    assert_eq!(json["pages"], 1);
+    let target = &json["targets"][0]["overlap"];
+    let square_mm = target["board"]["square_mm"].as_f64().unwrap();
+    // Nine squares, the marker's four and the white between them across the 297 mm of A4.
+    assert!((12.0..20.0).contains(&square_mm), "{json}");
+    assert_eq!(target["marker_side_mm"], 4.0 * square_mm);
+}

@@ -18,6 +18,8 @@ const COARSE_RADIUS_PX: f64 = 9.0;
 const RADIUS_PX: f64 = 20.0;
 /// A corner lies this near to where its neighbours say, in steps.
 const MOST_OFF: f64 = 0.25;
+/// The same in glare, which may end anywhere.
+const MOST_OFF_IN_GLARE: f64 = 0.12;
 /// Edges point where the neighbours say to within this, rad.
 const MOST_TURN: f64 = 0.4;
 /// Contrast beside the neighbours'.
@@ -46,11 +48,38 @@ pub(super) fn complete(plane: &Plane, candidates: &[Candidate], grid: &Grid) -> 
     lattice
 }
 
+/// Looks once more for corners of the board that are missing: glare may part the dark squares by some
+/// px. Labels outside the board are not tried.
+pub(super) fn fill_glare(plane: &Plane, lattice: &mut Lattice, holds: impl Fn(Label) -> bool) {
+    let mut tried = BTreeMap::new();
+    loop {
+        let mut empty = empty(lattice, &mut tried);
+        empty.retain(|label| holds(*label));
+        let found: Vec<(Label, Fit)> = empty
+            .into_iter()
+            .filter_map(|label| {
+                let expected = lattice.expect(label)?;
+                // Glare is uneven: the window that holds less of it comes first.
+                let fit = [COARSE_RADIUS_PX, RADIUS_PX].iter().find_map(|radius_px| {
+                    fit_expected(plane, &expected, expected.at, *radius_px, true)
+                })?;
+                Some((label, fit))
+            })
+            .collect();
+        if found.is_empty() {
+            break;
+        }
+        lattice.nodes.extend(found);
+    }
+    lattice.keep_squares();
+}
+
 /// The last fit, in large windows; a corner that does not fit there stays as it was.
 pub(super) fn finish(plane: &Plane, lattice: &mut Lattice) {
     let refitted: Vec<(Label, Fit)> = lattice
         .nodes
         .iter()
+        .filter(|(_, old)| !old.saddle.in_glare)
         .filter_map(|(label, old)| {
             let expected = lattice.expect(*label)?;
             let fit = fit_smaller(plane, &expected, old.saddle.at, RADIUS_PX)?;
@@ -112,15 +141,10 @@ fn refit(plane: &Plane, lattice: &mut Lattice) {
     lattice.nodes = refitted;
 }
 
-/// Looks for corners beside those known. Whether any was found. `tried` remembers how many
-/// neighbours a label had when nothing was found there.
-fn extend(
-    plane: &Plane,
-    candidates: &[Candidate],
-    lattice: &mut Lattice,
-    tried: &mut BTreeMap<Label, usize>,
-) -> bool {
-    let empty: BTreeSet<Label> = lattice
+/// Labels beside those known. `tried` remembers how many neighbours a label had when nothing was
+/// found there.
+fn empty(lattice: &Lattice, tried: &mut BTreeMap<Label, usize>) -> BTreeSet<Label> {
+    lattice
         .nodes
         .keys()
         .flat_map(|(i, j)| STEPS.map(|(du, dv)| (i + du, j + dv)))
@@ -129,8 +153,17 @@ fn extend(
             let neighbours = lattice.neighbours(*label);
             tried.insert(*label, neighbours) != Some(neighbours)
         })
-        .collect();
-    let found: Vec<(Label, Fit)> = empty
+        .collect()
+}
+
+/// Looks for corners beside those known. Whether any was found.
+fn extend(
+    plane: &Plane,
+    candidates: &[Candidate],
+    lattice: &mut Lattice,
+    tried: &mut BTreeMap<Label, usize>,
+) -> bool {
+    let found: Vec<(Label, Fit)> = empty(lattice, tried)
         .into_iter()
         .filter_map(|label| {
             let expected = lattice.expect(label)?;
@@ -165,26 +198,33 @@ fn fit_smaller(
     let parts = [1.0, 2.0, 4.0];
     parts
         .iter()
-        .find_map(|part| fit_expected(plane, expected, from, most_radius_px / part))
+        .find_map(|part| fit_expected(plane, expected, from, most_radius_px / part, false))
 }
 
-/// A corner near `from` that is where and as its neighbours say.
+/// A corner near `from`, perhaps in glare, that is where and as its neighbours say.
 fn fit_expected(
     plane: &Plane,
     expected: &Expected,
     from: [f64; 2],
     most_radius_px: f64,
+    in_glare: bool,
 ) -> Option<Fit> {
     let clear = (0.9 * expected.clearance_px() - 1.0).min(most_radius_px);
-    let start = Saddle::start(from, expected.edges_rad(), expected.blur_px);
+    let mut start = Saddle::start(from, expected.edges_rad(), expected.blur_px);
+    start.in_glare = in_glare;
     let fit = fit(plane, &start, clear.max(LEAST_RADIUS_PX))?;
     let saddle = &fit.saddle;
     let off = libm::hypot(saddle.at[0] - expected.at[0], saddle.at[1] - expected.at[1]);
     let turned = (0..2)
         .map(|k| turn_between(saddle.edges_rad[k], expected.edges_rad()[k]))
         .fold(0.0, f64::max);
+    let most_off = if in_glare {
+        MOST_OFF_IN_GLARE
+    } else {
+        MOST_OFF
+    };
     let sure = is_crossing(&fit)
-        && off < MOST_OFF * expected.spacing_px()
+        && off < most_off * expected.spacing_px()
         && turned < MOST_TURN
         && saddle.contrast * expected.contrast > 0.0
         && saddle.contrast.abs() > LEAST_CONTRAST_SHARE * expected.contrast.abs()

@@ -130,6 +130,7 @@ fn view(
         });
     }
     lattice.nodes.retain(|label, _| window.holds(*label));
+    complete::fill_glare(picture, &mut lattice, |label| window.holds(label));
     complete::finish(picture, &mut lattice);
     if lattice.nodes.len() < LEAST_CORNERS {
         return Err(BoardMissing::Nothing);

@@ -4,15 +4,16 @@
 //! `a + g.q + h T(E(d1 / w1) E(d2 / w2))`, `q` the place relative to the corner: two edges blurred by
 //! Gaussians (`E(x) = erf(x / sqrt 2)`), each a parabola `d = n.q + k (t.q)^2 / 2` because lenses
 //! bend lines, a tone curve `T(p) = p + b (1 - p^2)` because bright squares bloom and gamma bends
-//! tones, on a tilted ground. All thirteen parameters are fitted by Levenberg-Marquardt. The model
-//! is point symmetric about the corner, so that what moves both edges of a square alike does not
-//! move the corner.
+//! tones, on a tilted ground. Where glare parts the dark squares, the product is that of two dark
+//! squares whose edges lie `s` px further in (`d - s` on one side of an edge, `d + s` on the other).
+//! All parameters are fitted by Levenberg-Marquardt. The model is point symmetric about the corner, so
+//! that what moves both edges of a square alike does not move the corner.
 
 use nalgebra::{SMatrix, SVector};
 
 use super::plane::Plane;
 
-const PARAMETERS: usize = 13;
+const PARAMETERS: usize = 14;
 const STEPS: usize = 30;
 /// Grey levels of noise against which the weak priors are weighed.
 const NOISE: f64 = 6.0;
@@ -35,6 +36,10 @@ pub(super) struct Saddle {
     pub contrast: f64,
     /// Share by which tones between dark and bright are brighter than their mean: saturation.
     tone: f64,
+    /// How far glare reaches over the edges of dark squares, px.
+    glare_px: f64,
+    /// Whether there may be glare; it is 0 otherwise.
+    pub in_glare: bool,
 }
 
 /// A fitted corner.
@@ -62,6 +67,8 @@ impl Saddle {
             tilt: [0.0; 2],
             contrast: 0.0,
             tone: 0.0,
+            glare_px: 0.0,
+            in_glare: false,
         }
     }
 
@@ -85,10 +92,13 @@ impl Saddle {
             self.tilt[1],
             self.contrast,
             self.tone,
+            self.glare_px,
         ])
     }
 
-    fn from_vector(v: &SVector<f64, PARAMETERS>) -> Self {
+    /// Less a step of the fit.
+    fn moved(self, step: &SVector<f64, PARAMETERS>) -> Self {
+        let v = self.to_vector() - step;
         Self {
             at: [v[0], v[1]],
             edges_rad: [v[2], v[3]],
@@ -98,6 +108,8 @@ impl Saddle {
             tilt: [v[9], v[10]],
             contrast: v[11],
             tone: v[12],
+            glare_px: v[13],
+            in_glare: self.in_glare,
         }
     }
 
@@ -110,13 +122,15 @@ impl Saddle {
 
     /// Model at `q` from the corner, and its derivatives.
     fn evaluate(&self, q: [f64; 2], frames: &[[f64; 2]; 2]) -> (f64, [f64; PARAMETERS]) {
-        let mut step = [0.0; 2];
-        let mut slope = [0.0; 2];
-        // d's derivatives by the corner, the direction, the curvature; E's by the blur.
+        // Shares of the half planes on either side of an edge, after and before it, and their slopes by
+        // the distance into them; then the distance's derivatives by the corner, the direction and the
+        // curvature; the half planes' by the blur.
+        let mut half = [[0.0; 2]; 2];
+        let mut slope = [[0.0; 2]; 2];
         let mut by_at = [[0.0; 2]; 2];
         let mut by_edge = [0.0; 2];
         let mut by_curvature = [0.0; 2];
-        let mut by_blur = [0.0; 2];
+        let mut by_blur = [[0.0; 2]; 2];
         for k in 0..2 {
             let [cos, sin] = frames[k];
             let along = cos * q[0] + sin * q[1];
@@ -124,23 +138,41 @@ impl Saddle {
             let bend = self.curvatures[k] * along;
             let d = across + bend * along / 2.0;
             let blur = libm::exp(self.log_blurs[k]);
-            let z = d / blur;
-            step[k] = libm::erf(z * std::f64::consts::FRAC_1_SQRT_2);
-            slope[k] = SQRT_2_OVER_PI / blur * libm::exp(-z * z / 2.0);
+            (half[k][0], slope[k][0]) = half_plane((d - self.glare_px) / blur);
+            (half[k][1], slope[k][1]) = if self.in_glare {
+                half_plane((-d - self.glare_px) / blur)
+            } else {
+                (1.0 - half[k][0], slope[k][0])
+            };
+            slope[k] = slope[k].map(|slope| slope / blur);
             by_at[k] = [sin - bend * cos, -cos - bend * sin];
             by_edge[k] = -along + bend * across;
             by_curvature[k] = along * along / 2.0;
-            by_blur[k] = -d;
+            by_blur[k] = [
+                slope[k][0] * (self.glare_px - d),
+                slope[k][1] * (self.glare_px + d),
+            ];
         }
-        let product = step[0] * step[1];
+        // The dark squares are where both edges are on sides that differ, or, where bright and dark
+        // change places, that do not.
+        let swapped = self.contrast < 0.0;
+        let sign = if swapped { -1.0 } else { 1.0 };
+        let dark = |k: usize, values: [f64; 2]| {
+            let other = half[1 - k];
+            let [a, b] = if swapped { other } else { [other[1], other[0]] };
+            values[0] * a + values[1] * b
+        };
+        let product = sign * (1.0 - 2.0 * dark(0, half[0]));
         let lifted = 1.0 - product * product;
         let toned = product + self.tone * lifted;
         let value = self.ground + self.tilt[0] * q[0] + self.tilt[1] * q[1] + self.contrast * toned;
-        let by_product = self.contrast * (1.0 - 2.0 * self.tone * product);
-        let by_d = [
-            by_product * slope[0] * step[1],
-            by_product * slope[1] * step[0],
-        ];
+        let by_dark = -2.0 * sign * self.contrast * (1.0 - 2.0 * self.tone * product);
+        let by_d = [0, 1].map(|k| by_dark * dark(k, [slope[k][0], -slope[k][1]]));
+        let by_blur = [0, 1].map(|k| by_dark * dark(k, by_blur[k]));
+        let by_glare = match self.in_glare {
+            true => -by_dark * (dark(0, slope[0]) + dark(1, slope[1])),
+            false => 0.0,
+        };
         let by_centre =
             |axis: usize| by_d[0] * by_at[0][axis] + by_d[1] * by_at[1][axis] - self.tilt[axis];
         let derivatives = [
@@ -150,13 +182,14 @@ impl Saddle {
             by_d[1] * by_edge[1],
             by_d[0] * by_curvature[0],
             by_d[1] * by_curvature[1],
-            by_d[0] * by_blur[0],
-            by_d[1] * by_blur[1],
+            by_blur[0],
+            by_blur[1],
             1.0,
             q[0],
             q[1],
             toned,
             self.contrast * lifted,
+            by_glare,
         ];
         (value, derivatives)
     }
@@ -164,8 +197,22 @@ impl Saddle {
 
 /// Beyond 1/2 the tone curve is no longer monotone everywhere.
 const MOST_TONE: f64 = 0.6;
-/// sqrt(2 / pi): slope of `E` at 0.
-const SQRT_2_OVER_PI: f64 = 0.797_884_560_802_865_4;
+/// Glare reaches less than this share of the window.
+const MOST_GLARE: f64 = 0.5;
+/// Glare is white: grey levels that a camera clips.
+const CLIPPED: f64 = 250.0;
+/// 1 / sqrt(2 pi): slope of the normal distribution at 0.
+const SQRT_1_OVER_TAU: f64 = 0.398_942_280_401_432_7;
+
+/// The normal distribution and its density; beyond five sigmas the picture is flat to a thousandth of
+/// a grey level.
+fn half_plane(z: f64) -> (f64, f64) {
+    if z.abs() > 5.0 {
+        return (if z > 0.0 { 1.0 } else { 0.0 }, 0.0);
+    }
+    let share = (1.0 + libm::erf(z * std::f64::consts::FRAC_1_SQRT_2)) / 2.0;
+    (share, SQRT_1_OVER_TAU * libm::exp(-z * z / 2.0))
+}
 
 /// Corners nearer to the picture's border are not sure, px.
 const MARGIN_PX: f64 = 3.0;
@@ -224,12 +271,13 @@ pub(super) fn fit(plane: &Plane, start: &Saddle, radius_px: f64) -> Option<Fit> 
             damped[(k, k)] += damping * normal[(k, k)].max(1e-9);
         }
         let step = damped.cholesky()?.solve(&gradient);
-        let next = Saddle::from_vector(&(saddle.to_vector() - step));
+        let next = saddle.moved(&step);
         let moved = libm::hypot(next.at[0] - start.at[0], next.at[1] - start.at[1]);
         let sound = step.iter().all(|s| s.is_finite())
             && moved < radius_px
             && next.log_blurs.iter().all(|b| (-2.0..3.0).contains(b))
-            && next.tone.abs() < MOST_TONE;
+            && next.tone.abs() < MOST_TONE
+            && next.glare_px < MOST_GLARE * radius_px;
         let trial = sound.then(|| linearise(&next, start, &window, &priors));
         match trial {
             Some((lower, n, g)) if lower < cost => {
@@ -248,6 +296,10 @@ pub(super) fn fit(plane: &Plane, start: &Saddle, radius_px: f64) -> Option<Fit> 
             }
         }
     }
+    // What hides a corner is no glare unless it is white.
+    if saddle.in_glare && !is_white(plane, saddle.at) {
+        return None;
+    }
     let residual = (cost / window.weight).sqrt();
     // Half the corner's sum of variances, at the noise that the residual shows.
     let inverse = normal.cholesky()?.inverse();
@@ -257,6 +309,15 @@ pub(super) fn fit(plane: &Plane, start: &Saddle, radius_px: f64) -> Option<Fit> 
         residual,
         sigma_px,
         separation: separation(&saddle, &window),
+    })
+}
+
+/// Whether the picture is clipped at a place, or within a pixel of it.
+fn is_white(plane: &Plane, at: [f64; 2]) -> bool {
+    let around = [[0.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
+    around.iter().any(|[dx, dy]| {
+        let value = plane.sample([at[0] + dx, at[1] + dy]);
+        value.is_some_and(|value| value >= CLIPPED)
     })
 }
 
@@ -272,7 +333,9 @@ fn separation(saddle: &Saddle, window: &Window) -> f64 {
     for (place, value, weight) in &window.pixels {
         let q = [place[0] - saddle.at[0], place[1] - saddle.at[1]];
         let d = [0, 1].map(|k| saddle.distance_px(k, q, &frames));
-        if d[0].abs() > CLEAR * blurs[0] && d[1].abs() > CLEAR * blurs[1] {
+        let is_dark = d[0] * d[1] * saddle.contrast < 0.0;
+        let glare_px = if is_dark { saddle.glare_px } else { 0.0 };
+        if (0..2).all(|k| d[k].abs() > CLEAR * blurs[k] + glare_px) {
             let square = &mut squares[usize::from(d[0] > 0.0) + 2 * usize::from(d[1] > 0.0)];
             square.0 += weight * value;
             square.1 += weight;
@@ -327,6 +390,8 @@ fn priors(radius_px: f64) -> [f64; PARAMETERS] {
     priors[10] = priors[9];
     // Half a tone curve's reach.
     priors[12] = weight(0.25);
+    // Weak: what glare does, it does to many grey levels. Where there is none it only must not be 0.
+    priors[13] = weight(radius_px);
     priors
 }
 

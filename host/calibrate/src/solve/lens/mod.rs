@@ -16,8 +16,8 @@ pub use double_sphere::DoubleSphereLens;
 pub use kannala_brandt::KannalaBrandtLens;
 pub use ocam::OcamLens;
 
-/// Most parameters that a lens can have.
-pub const MAX_PARAMETERS: usize = 16;
+/// Most parameters that a lens can have, with the terms of a board's shape.
+pub const MAX_PARAMETERS: usize = 17 + crate::board_shape::TERMS;
 
 /// Sort of a family: among polynomials of one sort only the degree differs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -46,6 +46,9 @@ fn text(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> String {
         calibration.rms_px,
         field_deg(eye),
     );
+    if let Some(shape) = &calibration.board_shape {
+        let _ = writeln!(text, "board      {shape}");
+    }
     let _ = writeln!(
         text,
         "\n{:<24} {:>13} {:>13}",
@@ -176,6 +179,7 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         "held_out_rms_px": calibration.held_out_rms_px,
         "field_deg": field_deg(eye),
         "size_px": calibration.size_px,
+        "board_shape": calibration.board_shape,
         "medium": tectum_optics::Medium::from(args.medium),
         "model": calibration.model.name(),
         "parameters": parameters,
