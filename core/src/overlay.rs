@@ -120,10 +120,12 @@ impl<'t, F: PixelFormat> Painter<'t, F> {
         row: i32,
         draw: &mut impl FnMut(Range<i32>),
     ) {
-        let at = |offset: i32| {
-            let row = row - placement.y_px() + offset;
-            u32::from(self.overlay.glyph_row(placement.glyph(), row))
-        };
+        let row = row - placement.y_px();
+        // Most glyphs of a band are not in this row.
+        if !(-1..=self.overlay.glyph_height_px()).contains(&row) {
+            return;
+        }
+        let at = |offset: i32| u32::from(self.overlay.glyph_row(placement.glyph(), row + offset));
         // Bit 1 is the glyph's column 0, so that its edge has room.
         let mut bits = match layer {
             Layer::Light => at(0) << 1,

@@ -49,14 +49,10 @@ impl<'a> Overlay<'a> {
             && header.glyph_width_px.max(header.glyph_height_px) <= MAX_GLYPH_PX
             && header.reserved == 0
             && overlay.lines.iter().all(OverlayLine::is_sound)
-            && overlay
-                .bands
-                .iter()
-                .all(|band| band.last_line() <= overlay.lines.len())
-            && overlay
-                .bands
-                .iter()
-                .all(|band| band.last_placement() <= overlay.placements.len());
+            && overlay.bands.iter().all(|band| {
+                band.last_line() <= overlay.lines.len()
+                    && band.last_placement() <= overlay.placements.len()
+            });
         if sound {
             Ok(overlay)
         } else {
@@ -128,10 +124,16 @@ impl<'a> Overlay<'a> {
         band.and_then(of).unwrap_or_default()
     }
 
+    /// Height of glyphs, px.
+    #[inline]
+    pub fn glyph_height_px(&self) -> i32 {
+        self.header.glyph_height_px.into()
+    }
+
     /// Row `row` of a glyph: bit i is its column i. 0 above and below it.
     #[inline]
     pub fn glyph_row(&self, glyph: u8, row: i32) -> u16 {
-        let height = i32::from(self.header.glyph_height_px);
+        let height = self.glyph_height_px();
         if !(0..height).contains(&row) {
             return 0;
         }
