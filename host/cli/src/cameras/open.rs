@@ -85,15 +85,9 @@ pub fn open(
         (None, Some(left), Some(right)) => both(left, right, options, size_px)?.map(Some),
         (None, Some(path), None) => [Some(one(path, options, size_px)?.boxed()), None],
         (None, None, Some(path)) => [None, Some(one(path, options, size_px)?.boxed())],
-        (None, None, None) => {
-            return Err(Usage(
-                "needed are --left and --right (cameras, recordings or folders), or --source demo"
-                    .into(),
-            )
-            .into());
-        }
+        (None, None, None) => [None, None],
     };
-    Ok(match (left, right) {
+    match (left, right) {
         (Some(left), Some(right)) => {
             let tolerance = options.tolerance_ms.map(|ms| (ms * 1e6).max(0.0) as u64);
             let late = if all || !(left.is_live() || right.is_live()) {
@@ -101,10 +95,16 @@ pub fn open(
             } else {
                 Late::NewestWins
             };
-            Feed::Two(Pairs::new(left, right, tolerance, late)?)
+            Ok(Feed::Two(Pairs::new(left, right, tolerance, late)?))
         }
-        (left, right) => Feed::one(left, right),
-    })
+        (Some(left), None) => Ok(Feed::One(left, false)),
+        (None, Some(right)) => Ok(Feed::One(right, true)),
+        (None, None) => Err(Usage(
+            "needed are --left and --right (cameras, recordings or folders), or --source demo"
+                .into(),
+        )
+        .into()),
+    }
 }
 
 /// A source that may be a camera.
