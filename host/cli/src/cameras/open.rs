@@ -110,7 +110,7 @@ pub fn open(
 /// A source that may be a camera.
 enum Opened {
     #[cfg(feature = "v4l2")]
-    Camera(tectum_capture::device::Camera),
+    Camera(Box<tectum_capture::device::Camera>),
     File(Box<dyn FrameSource>),
 }
 
@@ -118,7 +118,7 @@ impl Opened {
     fn boxed(self) -> Box<dyn FrameSource> {
         match self {
             #[cfg(feature = "v4l2")]
-            Self::Camera(camera) => Box::new(camera),
+            Self::Camera(camera) => camera,
             Self::File(source) => source,
         }
     }
@@ -166,7 +166,7 @@ fn camera(
         size_px,
         rate_hz: options.rate,
     };
-    Ok(Opened::Camera(Camera::open(path, wanted)?))
+    Ok(Opened::Camera(Box::new(Camera::open(path, wanted)?)))
 }
 
 fn both(
