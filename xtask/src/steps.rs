@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 
+use crate::packages::{self, Need};
 use crate::{cameras, figures, firmware, fuzz, repository, tables};
 
 /// How a step ended, if not in an error.
@@ -143,7 +144,14 @@ fn minimum_rust_version() -> anyhow::Result<Outcome> {
     ])
 }
 
+/// For the tests of the preview's page, which say so themselves where it is missing.
+const BROWSER: &[Need] = &[Need {
+    file: "/usr/bin/chromium",
+    package: "chromium",
+}];
+
 fn tests() -> anyhow::Result<Outcome> {
+    packages::ensure(BROWSER, None);
     cargo(&["test", "--workspace"])
 }
 

@@ -1,7 +1,7 @@
 //! Two cameras as one: sources of frames, their pairing in time, recordings that survive a power
 //! cut, live stitching.
 //!
-//! A [`FrameSource`] gives frames one after the other: a camera ([`device`], with the feature
+//! A [`FrameSource`] gives frames one after the other: a camera (module `device`, with the feature
 //! `v4l2`), picture files ([`Pictures`]), a recording ([`Y4m`], [`Mjpeg`]) or something that makes
 //! them up ([`Generated`]). What follows does not see a difference. [`Pairs`] brings two of them
 //! together by the time at which their frames were taken. [`preview`] shows what comes out in a

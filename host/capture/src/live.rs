@@ -1,9 +1,7 @@
 //! Stitching of frames as they come.
 
 use tectum_bake::{Format, StitchFailure, stitch_bands};
-use tectum_core::{
-    Eye, Frame as CoreFrame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Tables, Yuyv,
-};
+use tectum_core::{Frame as CoreFrame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Tables, Yuyv};
 
 use crate::convert::to_core;
 use crate::{CaptureError, Layout, Pair};
@@ -27,11 +25,6 @@ impl<'t> LiveStitcher<'t> {
             scratch: Default::default(),
             out: Vec::new(),
         }
-    }
-
-    /// Size of the frames that an eye must give, px; `None` if the table does not show it.
-    pub fn source_size_px(&self, eye: Eye) -> Option<[u16; 2]> {
-        self.tables.source_size_px(eye)
     }
 
     /// Width and height of the stitched picture, px.

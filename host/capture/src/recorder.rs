@@ -235,7 +235,6 @@ impl Recorder {
         };
         let mut whole = encoder.write_header(&mut header).ok()?;
         write(&mut whole)?;
-        drop(whole);
         let start = if self.header_written {
             header.iter().position(|byte| *byte == b'\n')? + 1
         } else {

@@ -33,8 +33,8 @@ refused() {
         fail "$name" "no \"$words\""
     fi
 }
-# field NAME FILE: the first number of that name in a JSON file.
-field() { sed -n "s/.*\"$1\":\([0-9.-]*\).*/\1/p" "$2" | head -n 1; }
+# field NAME FILE: the first whole number of that name in a JSON file.
+field() { grep -o "\"$1\":[0-9]*" "$2" | head -n 1 | grep -o '[0-9]*'; }
 # counts EYE FIELD FILE: a counter of an eye.
 counts() { sed -n "s/.*\"$1\":{\([^}]*\)}.*/{\1}/p" "$3" | sed -n "s/.*\"$2\":\([0-9]*\).*/\1/p"; }
 # least NAME VALUE BOUND

@@ -6,6 +6,7 @@ mod image;
 mod judge;
 mod machine;
 
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, bail};
@@ -69,13 +70,20 @@ pub fn run() -> anyhow::Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// Builds the program with cameras.
-fn build() -> anyhow::Result<std::path::PathBuf> {
-    let mut cargo = Command::new("cargo");
-    cargo.args(["build", "--quiet", "-p", "tectum", "--features", "v4l2"]);
-    let status = cargo.current_dir(repository()).status().context("cargo")?;
-    if !status.success() {
-        bail!("cargo build -p tectum --features v4l2");
+/// Builds the program with cameras, and runs the tests that come with them.
+fn build() -> anyhow::Result<PathBuf> {
+    for arguments in [
+        &["build", "-p", "tectum"][..],
+        &["test", "-p", "tectum-capture", "--lib"],
+    ] {
+        let mut cargo = Command::new("cargo");
+        cargo
+            .args(arguments)
+            .args(["--quiet", "--features", "v4l2"]);
+        let status = cargo.current_dir(repository()).status().context("cargo")?;
+        if !status.success() {
+            bail!("cargo {} --features v4l2", arguments.join(" "));
+        }
     }
     Ok(target_dir("debug").join("tectum"))
 }

@@ -12,23 +12,13 @@ pub type Shot<'a> = [Option<Frame<'a>>; 2];
 
 /// One eye, or both.
 pub enum Feed {
-    /// One eye; whether it is the right one.
+    /// One eye, and whether it is the right one.
     One(Box<dyn FrameSource>, bool),
     /// Both.
     Two(Pairs),
 }
 
 impl Feed {
-    /// The one eye that is there.
-    pub fn one(left: Option<Box<dyn FrameSource>>, right: Option<Box<dyn FrameSource>>) -> Self {
-        match (left, right) {
-            (Some(left), _) => Self::One(left, false),
-            (None, Some(right)) => Self::One(right, true),
-            // The caller has at least one.
-            (None, None) => unreachable!("no eye"),
-        }
-    }
-
     /// Format of the frames.
     pub fn format(&self) -> FrameFormat {
         match self {

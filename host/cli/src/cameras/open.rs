@@ -85,15 +85,9 @@ pub fn open(
         (None, Some(left), Some(right)) => both(left, right, options, size_px)?.map(Some),
         (None, Some(path), None) => [Some(one(path, options, size_px)?.boxed()), None],
         (None, None, Some(path)) => [None, Some(one(path, options, size_px)?.boxed())],
-        (None, None, None) => {
-            return Err(Usage(
-                "needed are --left and --right (cameras, recordings or folders), or --source demo"
-                    .into(),
-            )
-            .into());
-        }
+        (None, None, None) => [None, None],
     };
-    Ok(match (left, right) {
+    match (left, right) {
         (Some(left), Some(right)) => {
             let tolerance = options.tolerance_ms.map(|ms| (ms * 1e6).max(0.0) as u64);
             let late = if all || !(left.is_live() || right.is_live()) {
@@ -101,16 +95,22 @@ pub fn open(
             } else {
                 Late::NewestWins
             };
-            Feed::Two(Pairs::new(left, right, tolerance, late)?)
+            Ok(Feed::Two(Pairs::new(left, right, tolerance, late)?))
         }
-        (left, right) => Feed::one(left, right),
-    })
+        (Some(left), None) => Ok(Feed::One(left, false)),
+        (None, Some(right)) => Ok(Feed::One(right, true)),
+        (None, None) => Err(Usage(
+            "needed are --left and --right (cameras, recordings or folders), or --source demo"
+                .into(),
+        )
+        .into()),
+    }
 }
 
 /// A source that may be a camera.
 enum Opened {
     #[cfg(feature = "v4l2")]
-    Camera(tectum_capture::device::Camera),
+    Camera(Box<tectum_capture::device::Camera>),
     File(Box<dyn FrameSource>),
 }
 
@@ -118,7 +118,7 @@ impl Opened {
     fn boxed(self) -> Box<dyn FrameSource> {
         match self {
             #[cfg(feature = "v4l2")]
-            Self::Camera(camera) => Box::new(camera),
+            Self::Camera(camera) => camera,
             Self::File(source) => source,
         }
     }
@@ -166,7 +166,7 @@ fn camera(
         size_px,
         rate_hz: options.rate,
     };
-    Ok(Opened::Camera(Camera::open(path, wanted)?))
+    Ok(Opened::Camera(Box::new(Camera::open(path, wanted)?)))
 }
 
 fn both(
