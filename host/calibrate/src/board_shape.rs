@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use crate::{Board, BoardSize, View};
 
-/// Terms of a shape: bend along the columns and along the rows, twist, stretch, shear.
-pub(crate) const TERMS: usize = 5;
+/// Terms of a shape: bend along the columns and along the rows, twist, shear.
+pub(crate) const TERMS: usize = 4;
 
 /// A shape's terms, lengths in squares.
 pub(crate) type Terms = SVector<f64, TERMS>;
@@ -16,8 +16,9 @@ pub(crate) type Terms = SVector<f64, TERMS>;
 /// How a board departs from a flat one of square squares, the same in all pictures. With `u` and `v`
 /// from -1 to 1 along its columns and rows, an inner corner lies off its place in the board frame by
 /// `z = bend_mm[0] (1 - u^2) + bend_mm[1] (1 - v^2) + twist_mm u v` and
-/// `x = stretch u w / 2 + shear v h / 2`, w and h the distances of its outermost inner corners.
-/// mrcal's two terms of a bent board are the first two here.
+/// `x = shear v h / 2`, h the distance of its outermost rows. mrcal's two terms of a bent board are the
+/// first two here. A stretch is left out: where all boards stand upright it is hardly told from the
+/// lens's own aspect, and would spoil that.
 ///
 /// All terms stay the same when the board is turned by half a turn, which labels may be.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -26,8 +27,6 @@ pub struct BoardShape {
     pub bend_mm: [f64; 2],
     /// Twist, mm in the corners.
     pub twist_mm: f64,
-    /// Columns farther apart than rows, as a share.
-    pub stretch: f64,
     /// Rows shifted along themselves, mm a mm.
     pub shear: f64,
 }
@@ -45,8 +44,7 @@ impl BoardShape {
         Self {
             bend_mm: [terms[0] * square_mm, terms[1] * square_mm],
             twist_mm: terms[2] * square_mm,
-            stretch: terms[3],
-            shear: terms[4] / half_rows,
+            shear: terms[3] / half_rows,
         }
     }
 
@@ -56,7 +54,6 @@ impl BoardShape {
             self.bend_mm[0] / square_mm,
             self.bend_mm[1] / square_mm,
             self.twist_mm / square_mm,
-            self.stretch,
             self.shear * half_rows,
         ])
     }
@@ -68,9 +65,8 @@ impl fmt::Display for BoardShape {
         write!(
             f,
             "bent by {columns:.2} mm along its columns and {rows:.2} mm along its rows, twisted by {:.2} \
-             mm, stretched by {:.2} %, sheared by {:.2} %",
+             mm, sheared by {:.2} %",
             self.twist_mm,
-            100.0 * self.stretch,
             100.0 * self.shear
         )
     }
@@ -84,7 +80,6 @@ pub(crate) fn by_terms(size: BoardSize, i: u16, j: u16) -> [Vector3<f64>; TERMS]
         Vector3::z() * (1.0 - u * u),
         Vector3::z() * (1.0 - v * v),
         Vector3::z() * (u * v),
-        Vector3::x() * (u * half[0]),
         Vector3::x() * v,
     ]
 }

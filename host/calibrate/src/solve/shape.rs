@@ -28,15 +28,12 @@ pub fn is_seen(flat: &Candidate<'_>) -> bool {
     gain > SURE * error
 }
 
-/// The fit with the shape of the board in its corners' places, marks made anew; `None` if that fails.
+/// The fit with the shape of the board free, here and in every lens that follows from it, marks made
+/// anew; `None` if that fails.
 pub fn shaped(lens: &dyn Lens, flat: &Fit) -> Option<Fit> {
     let free = Fit {
         free_shape: true,
         ..flat.clone()
     };
-    let fit = free.cleaned(lens)?;
-    Some(Fit {
-        free_shape: false,
-        ..fit
-    })
+    free.cleaned(lens)
 }
