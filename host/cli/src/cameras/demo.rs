@@ -21,6 +21,9 @@ const FEATHER_DEG: f64 = 4.0;
 const RATE_HZ: u32 = 15;
 /// Moments of one swing, rendered once; they repeat.
 const MOMENTS: u32 = 16;
+/// The body rests for so many frames after each quarter of the swing, so that a session keeps
+/// pictures.
+const REST_FRAMES: u32 = 5;
 const SWING_DEG: f64 = 20.0;
 
 /// The table for the demo's eyes.
@@ -71,8 +74,17 @@ pub fn eyes(rate_hz: Option<u32>) -> anyhow::Result<[Box<dyn FrameSource>; 2]> {
         let moments = moments.clone();
         let make = move |index: u32, data: &mut Vec<u8>| {
             data.clear();
-            data.extend_from_slice(&moments[(index % MOMENTS) as usize][eye]);
+            data.extend_from_slice(&moments[moment_at(index)][eye]);
         };
         Box::new(Generated::new(name, format, period, start, make)) as Box<dyn FrameSource>
     }))
+}
+
+/// Which moment a frame shows: each quarter's first one rests.
+fn moment_at(frame: u32) -> usize {
+    let in_quarter = MOMENTS / 4;
+    let frames = in_quarter + REST_FRAMES;
+    let quarter = frame / frames % 4;
+    let moment = (frame % frames).saturating_sub(REST_FRAMES);
+    (quarter * in_quarter + moment) as usize
 }
