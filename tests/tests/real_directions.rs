@@ -2,7 +2,7 @@
 //!
 //! `cargo test -p tectum-tests --test real_directions -- --nocapture` prints the figures: the angle
 //! between any two corners of a board as the core's look-up sees them from raw pixels, against the
-//! angle that the board's squares give at its pose.
+//! angle that the board's squares, and its bend where one is known, give at its pose.
 
 use image::GrayImage;
 use nalgebra::Vector3;
@@ -82,7 +82,12 @@ fn differences(calibration: &Calibration, board: &Board, views: &[View]) -> (f64
                 let found = lookup.direction_of_eye_pixel(tectum_core::Eye::Left, q8)?;
                 let [yaw, pitch] = [found.yaw, found.pitch]
                     .map(|angle: BinaryAngle| f64::from(angle.degrees()).to_radians());
-                let point = pose.apply(&board.corner_mm(corner.i, corner.j));
+                let at = (corner.i, corner.j);
+                let bent = calibration
+                    .board_shape
+                    .map(|shape| shape.offset_mm(board, at.0, at.1));
+                let point = board.corner_mm(at.0, at.1) + bent.unwrap_or_default();
+                let point = pose.apply(&point);
                 Some((direction(yaw, pitch), point))
             })
             .collect();
