@@ -20,9 +20,9 @@ use tectum_tests::data;
 /// reached.
 const SETS: [(&str, &str, &str, f64); 5] = [
     ("ocam-fisheye1", "images", "8x6", 0.08),
-    ("stereo-fisheye-opencv", "left", "8x6", 0.026),
+    ("stereo-fisheye-opencv", "left", "8x6", 0.022),
     ("svs-fisheye-dyfcalid", "board", "7x6", 0.048),
-    ("t265-air-underwater", "air", "7x5", 0.044),
+    ("t265-air-underwater", "air", "7x5", 0.039),
     ("t265-air-underwater", "underwater", "7x5", 0.022),
 ];
 
