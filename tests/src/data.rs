@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use image::GrayImage;
+use rayon::prelude::*;
 use tectum_optics::Rig;
 
 fn repository() -> &'static Path {
@@ -59,6 +61,21 @@ pub fn picture(path: &Path) -> (Vec<u8>, [u16; 2]) {
     let picture = image::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let size = [picture.width() as u16, picture.height() as u16];
     (picture.into_rgb8().into_raw(), size)
+}
+
+/// All pictures of a folder as 8-bit luma, in the order of their names.
+///
+/// # Panics
+/// If the folder or a picture cannot be read.
+pub fn pictures(folder: &Path) -> Vec<GrayImage> {
+    let entries = std::fs::read_dir(folder).expect("the folder is listed");
+    let mut files: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
+    files.sort();
+    files.retain(|file| image::ImageFormat::from_path(file).is_ok());
+    files
+        .par_iter()
+        .map(|file| image::open(file).expect("a picture").to_luma8())
+        .collect()
 }
 
 /// A picture file as 8-bit luma and its width and height.

@@ -8,12 +8,11 @@
 
 use std::path::{Path, PathBuf};
 
-use image::GrayImage;
 use rayon::prelude::*;
 use tectum_calibrate::detect::chessboard::detect;
 use tectum_calibrate::solve::{Options, Problem, board_pose, calibrate};
 use tectum_calibrate::{Board, Calibration, View};
-use tectum_tests::loose_square_px2;
+use tectum_tests::{loose_square_px2, pictures};
 
 /// A set of pictures and what is reached on it.
 struct Set {
@@ -88,17 +87,6 @@ fn data() -> Option<PathBuf> {
     }
     println!("skipped: no real pictures in {}", data.display());
     None
-}
-
-fn pictures(folder: &Path) -> Vec<GrayImage> {
-    let entries = std::fs::read_dir(folder).expect("the folder is listed");
-    let mut files: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
-    files.sort();
-    files.retain(|file| image::ImageFormat::from_path(file).is_ok());
-    files
-        .par_iter()
-        .map(|file| image::open(file).expect("a picture").to_luma8())
-        .collect()
 }
 
 /// Mean squared residual of each view, px^2: of a flat board at rest, and of one that may bend and

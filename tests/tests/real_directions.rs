@@ -4,7 +4,6 @@
 //! between any two corners of a board as the core's look-up sees them from raw pixels, against the
 //! angle that the board's squares, and its bend where one is known, give at its pose.
 
-use image::GrayImage;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use tectum_bake::{BakeOptions, bake};
@@ -13,8 +12,8 @@ use tectum_calibrate::solve::{Options, Problem, board_pose, calibrate};
 use tectum_calibrate::{Board, Calibration, View};
 use tectum_core::{BinaryAngle, Lookup, Tables};
 use tectum_optics::convention::{angle_between, direction};
-use tectum_optics::{CalibratedEye, Eye, Field, Medium, Projection, Rig};
-use tectum_tests::data;
+use tectum_optics::{Eye, Field, Medium, Pose, Projection};
+use tectum_tests::{data, pictures, rig_of_eyes};
 
 /// Set, folder, board, and the greatest RMS that is accepted, degrees: a tenth above what is
 /// reached.
@@ -27,41 +26,32 @@ const SETS: [(&str, &str, &str, f64); 5] = [
 ];
 
 fn views(set: &str, folder: &str, board: &Board) -> Option<([u32; 2], Vec<View>)> {
-    let entries = std::fs::read_dir(data(set)?.join(folder)).expect("the folder is listed");
-    let mut files: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
-    files.sort();
-    files.retain(|file| image::ImageFormat::from_path(file).is_ok());
-    let open = |file| -> GrayImage { image::open(file).expect("a picture").to_luma8() };
-    let size_px = open(&files[0]).dimensions().into();
-    let found = files.par_iter().map(|file| detect(&open(file), board.size));
+    let pictures = pictures(&data(set)?.join(folder));
+    let size_px = pictures[0].dimensions().into();
+    let found = pictures
+        .par_iter()
+        .map(|picture| detect(picture, board.size));
     let found: Vec<_> = found.collect();
     Some((size_px, found.into_iter().flatten().collect()))
 }
 
 /// A rig with this eye alone, and its table.
 fn table(calibration: &Calibration) -> Vec<u8> {
-    let eye = CalibratedEye {
-        medium: Medium::Air,
-        eye: Eye {
-            size_px: calibration.size_px.map(|side| side as u16),
-            model: calibration.model.clone(),
-            field: Field::new(vec![calibration.field_rad]).expect("a field"),
-        },
-        calibration: None,
+    let eye = Eye {
+        size_px: calibration.size_px.map(|side| side as u16),
+        model: calibration.model.clone(),
+        field: Field::new(vec![calibration.field_rad]).expect("a field"),
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("eye.toml"), eye.to_toml().expect("text")).expect("a file");
-    let rig = "name = \"one\"\nmedium = \"air\"\nstitch_distance_m = inf\n[left]\n\
-        file = \"eye.toml\"\n[left.pose]\nyaw_deg = 0.0\npitch_deg = 0.0\nroll_deg = 0.0\n\
-        position_mm = [0.0, 0.0, 0.0]\n";
-    let path = folder.path().join("rig.toml");
-    std::fs::write(&path, rig).expect("a file");
+    let pose = Pose {
+        rotation: Pose::axis_rotation(0.0, 0.0, 0.0),
+        position_m: Vector3::zeros(),
+    };
+    let rig = rig_of_eyes(Medium::Air, f64::INFINITY, &[(eye, pose)]);
     let options = BakeOptions {
         output: Projection::Equirect.output_map([640, 320]).expect("a size"),
         max_error_px: 1.0,
         feather_rad: 0.0,
     };
-    let rig = Rig::load(&path).expect("a rig");
     bake(&rig, &options).expect("a table").bytes
 }
 

@@ -22,6 +22,7 @@ mod pairing;
 mod pairs;
 mod pictures;
 pub mod preview;
+mod recorded;
 mod recorder;
 mod session;
 mod source;

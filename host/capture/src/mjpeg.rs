@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use image::ImageReader;
 
-use crate::health::missing;
+use crate::recorded::Recorded;
 use crate::source::{Frame, FrameSource, Next};
 use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 
@@ -31,9 +31,7 @@ pub struct Mjpeg {
     file: BufReader<File>,
     format: FrameFormat,
     data: Vec<u8>,
-    read: u32,
-    sequence: Option<u32>,
-    health: Arc<Health>,
+    recorded: Recorded,
 }
 
 impl Mjpeg {
@@ -64,9 +62,7 @@ impl Mjpeg {
             file: BufReader::new(open()?),
             format: FrameFormat::packed(Layout::Mjpeg, size_px),
             data: Vec::new(),
-            read: 0,
-            sequence: None,
-            health: Arc::default(),
+            recorded: Recorded::default(),
         })
     }
 }
@@ -89,17 +85,12 @@ impl FrameSource for Mjpeg {
             .map_err(|e| CaptureError::io(&self.path, e))?;
         if !found {
             if !self.data.is_empty() {
-                self.health.corrupt();
+                self.recorded.health.corrupt();
             }
             return Ok(Next::End);
         }
-        let count = self.read;
-        self.read += 1;
-        let (time_ns, sequence) = comment(&self.data)
-            .and_then(stamp::read)
-            .unwrap_or((PERIOD_NS as i64 * i64::from(count), count));
-        self.health.frame(missing(self.sequence, sequence));
-        self.sequence = Some(sequence);
+        let stamped = comment(&self.data).and_then(stamp::read);
+        let (time_ns, sequence) = self.recorded.frame(stamped, PERIOD_NS);
         Ok(Next::Frame(Frame {
             data: &self.data,
             format: self.format,
@@ -110,7 +101,7 @@ impl FrameSource for Mjpeg {
     }
 
     fn health(&self) -> Arc<Health> {
-        self.health.clone()
+        self.recorded.health.clone()
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use y4m::{Colorspace, Decoder, Error};
 
-use crate::health::missing;
+use crate::recorded::Recorded;
 use crate::source::{Frame, FrameSource, Next};
 use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 
@@ -21,9 +21,7 @@ pub struct Y4m {
     format: FrameFormat,
     period_ns: u64,
     data: Vec<u8>,
-    read: u32,
-    sequence: Option<u32>,
-    health: Arc<Health>,
+    recorded: Recorded,
 }
 
 impl std::fmt::Debug for Y4m {
@@ -92,9 +90,7 @@ impl Y4m {
             },
             period_ns: period_ns.max(1),
             data: Vec::new(),
-            read: 0,
-            sequence: None,
-            health: Arc::default(),
+            recorded: Recorded::default(),
         })
     }
 }
@@ -121,7 +117,7 @@ impl FrameSource for Y4m {
                 return Err(CaptureError::io(&self.path, error));
             }
             Err(_) => {
-                self.health.corrupt();
+                self.recorded.health.corrupt();
                 return Ok(Next::End);
             }
         };
@@ -131,14 +127,8 @@ impl FrameSource for Y4m {
             frame.get_v_plane(),
         ];
         pack(self.format, planes, &mut self.data);
-        let count = self.read;
-        self.read += 1;
-        let (time_ns, sequence) = frame
-            .get_raw_params()
-            .and_then(stamp::read)
-            .unwrap_or((self.period_ns as i64 * i64::from(count), count));
-        self.health.frame(missing(self.sequence, sequence));
-        self.sequence = Some(sequence);
+        let stamped = frame.get_raw_params().and_then(stamp::read);
+        let (time_ns, sequence) = self.recorded.frame(stamped, self.period_ns);
         Ok(Next::Frame(Frame {
             data: &self.data,
             format: self.format,
@@ -149,7 +139,7 @@ impl FrameSource for Y4m {
     }
 
     fn health(&self) -> Arc<Health> {
-        self.health.clone()
+        self.recorded.health.clone()
     }
 }
 

@@ -22,5 +22,5 @@ pub use pose::{Pose, Side, rotation_vector, vector_of_rotation};
 pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
 pub use rig::{
     CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, SeamMap,
-    Stitching, StitchingFile, WarpMap,
+    Stitching, StitchingFile, WarpMap, direction_at,
 };

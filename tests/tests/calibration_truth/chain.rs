@@ -10,9 +10,11 @@ use tectum_calibrate::stereo::StereoCalibration;
 use tectum_core::{BinaryAngle, Direction, Lookup, Sampler, Tables};
 use tectum_optics::convention::{angle_between, direction};
 use tectum_optics::design::OrientationBoard;
-use tectum_optics::{CalibratedEye, Field, Pose, Projection, Rig, Side};
+use tectum_optics::{Field, Pose, Projection, Rig, Side};
 use tectum_scene::{Medium, PanelPose, Scene, SceneDescription, Seen};
 use tectum_stitch::orientation::{Alignment, Correction, Placement, Shot, align, corrected};
+
+use tectum_tests::rig_of_eyes;
 
 use crate::fish::{Eye, SIZE_PX, pool_with};
 
@@ -53,34 +55,18 @@ fn beside(side: Side, medium: Medium) -> Scene {
     )
 }
 
-/// A rig file's way of saying two eyes and where they are.
+/// The rig of two lenses at their poses.
 fn rig(models: [tectum_optics::CameraModel; 2], eyes: &[Eye; 2], poses: [Pose; 2]) -> Rig {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut text =
-        format!("name = \"fish\"\nmedium = \"water\"\nstitch_distance_m = {STITCH_DISTANCE_M}\n");
-    for (k, name) in ["left", "right"].into_iter().enumerate() {
-        let half_field = eyes[k].half_field_deg.to_radians();
-        let eye = CalibratedEye {
-            medium: tectum_optics::Medium::Water,
-            eye: tectum_optics::Eye {
-                size_px: SIZE_PX.map(|side| side as u16),
-                model: models[k].clone(),
-                field: Field::new(vec![half_field]).expect("a field"),
-            },
-            calibration: None,
+    let eye = |k: usize| {
+        let eye = tectum_optics::Eye {
+            size_px: SIZE_PX.map(|side| side as u16),
+            model: models[k].clone(),
+            field: Field::new(vec![eyes[k].half_field_deg.to_radians()]).expect("a field"),
         };
-        let file = format!("{name}.toml");
-        std::fs::write(folder.path().join(&file), eye.to_toml().expect("text")).expect("a file");
-        text += &format!(
-            "[{name}]\nfile = \"{file}\"\n[{name}.pose]\nrotation_vector_rad = {:?}\n\
-             position_mm = {:?}\n",
-            <[f64; 3]>::from(tectum_optics::vector_of_rotation(&poses[k].rotation)),
-            <[f64; 3]>::from(poses[k].position_m * 1e3),
-        );
-    }
-    let path = folder.path().join("rig.toml");
-    std::fs::write(&path, text).expect("a file");
-    Rig::load(&path).expect("a rig")
+        (eye, poses[k])
+    };
+    let eyes = [eye(0), eye(1)];
+    rig_of_eyes(tectum_optics::Medium::Water, STITCH_DISTANCE_M, &eyes)
 }
 
 fn table(rig: &Rig) -> Vec<u8> {

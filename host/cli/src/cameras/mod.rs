@@ -12,6 +12,6 @@ mod watch;
 pub use demo::demo_table;
 pub use feed::Feed;
 pub use open::{CameraOptions, open};
-pub use scales::{Attitude, LiveScales, USUAL_STEP_DEG};
+pub use scales::{Attitude, LiveScales};
 pub use stage::{Limits, ViewArgs, stop_on_interrupt};
 pub use watch::Watch;

@@ -11,14 +11,12 @@ use tectum_optics::OutputMap;
 use tectum_scene::camera::Pose;
 
 /// From line to line of scales, degrees, where nothing else is said.
-pub const USUAL_STEP_DEG: f64 = 30.0;
+const USUAL_STEP_DEG: f64 = 30.0;
 
 /// What is drawn on each frame.
-pub enum LiveScales {
-    /// The same lines always: the section of an overlay, and the size of its pictures.
-    Body(Vec<u8>, [u16; 2]),
-    /// The table's own.
-    Baked(Overlay<'static>),
+pub enum LiveScales<'t> {
+    /// The same lines always.
+    Body(Overlay<'t>),
     /// Lines of the world's yaw and pitch, which move through the picture.
     World {
         /// The pictures' projection.
@@ -51,17 +49,17 @@ pub struct Attitude {
     pub roll_deg: f64,
 }
 
-impl LiveScales {
+impl<'t> LiveScales<'t> {
     /// Scales of the body: every `step_deg` or, if that is not said, the table's own if it has any.
-    pub fn of_body(tables: &Tables<'static>, step_deg: Option<f64>) -> anyhow::Result<Self> {
-        match (step_deg, tables.overlay()) {
-            (None, Some(overlay)) => Ok(Self::Baked(overlay)),
-            _ => {
-                let map = output_map(tables);
-                let scales = Scales::new(&map, step_deg.unwrap_or(USUAL_STEP_DEG))?;
-                Ok(Self::Body(scales.bytes, map.size_px))
-            }
+    pub fn of_body(tables: &Tables<'t>, step_deg: Option<f64>) -> anyhow::Result<Self> {
+        if let (None, Some(overlay)) = (step_deg, tables.overlay()) {
+            return Ok(Self::Body(overlay));
         }
+        let map = output_map(tables);
+        let scales = Scales::new(&map, step_deg.unwrap_or(USUAL_STEP_DEG))?;
+        // Once a run, a few KB: proven once, and lent to every frame.
+        let bytes: &'static [u8] = Box::leak(scales.bytes.into_boxed_slice());
+        Ok(Self::Body(Overlay::parse(bytes, map.size_px)?))
     }
 
     /// Scales of the world for a body that is turned as `file` says, frame by frame.
@@ -94,12 +92,9 @@ impl LiveScales {
     }
 
     /// Draws on a frame, rows tightly packed.
-    pub fn draw(&mut self, frame: u32, format: Format, picture: &mut [u8]) -> anyhow::Result<()> {
+    pub fn draw(&self, frame: u32, format: Format, picture: &mut [u8]) -> anyhow::Result<()> {
         match self {
-            Self::Body(bytes, size_px) => {
-                draw_overlay(&Overlay::parse(bytes, *size_px)?, format, picture)?;
-            }
-            Self::Baked(overlay) => draw_overlay(overlay, format, picture)?,
+            Self::Body(overlay) => draw_overlay(overlay, format, picture)?,
             Self::World {
                 map,
                 step_deg,

@@ -58,9 +58,9 @@ fn direction(tables: &Tables<'_>, query: &[(String, String)]) -> Result<String, 
 
 /// Scales alone: drawn on black and on white, which tells colour from cover.
 fn scales_png(tables: &'static Tables<'static>) -> anyhow::Result<Vec<u8>> {
-    let mut scales = LiveScales::of_body(tables, None)?;
+    let scales = LiveScales::of_body(tables, None)?;
     let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
-    let mut on = |ground| -> anyhow::Result<RgbImage> {
+    let on = |ground| -> anyhow::Result<RgbImage> {
         let mut picture = RgbImage::from_pixel(width, height, Rgb([ground; 3]));
         scales.draw(0, Format::Rgb8, &mut picture)?;
         Ok(picture)

@@ -1,6 +1,7 @@
 //! When to end, and where to show.
 
 use std::net::SocketAddr;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use tectum_capture::Stop;
@@ -22,11 +23,16 @@ impl Limits {
         self.frames.is_some() || self.seconds.is_some()
     }
 
-    /// Whether it is time to end.
-    pub fn are_reached(&self, frames: u64, start: Instant) -> bool {
+    /// Goes on until it is time to end.
+    pub fn flow(&self, frames: u64, start: Instant) -> ControlFlow<()> {
         let seconds = start.elapsed().as_secs_f64();
-        self.frames.is_some_and(|most| frames >= most)
-            || self.seconds.is_some_and(|most| seconds >= most)
+        let reached = self.frames.is_some_and(|most| frames >= most)
+            || self.seconds.is_some_and(|most| seconds >= most);
+        if reached {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 }
 

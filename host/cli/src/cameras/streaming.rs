@@ -35,7 +35,7 @@ pub fn run(
     tables: &'static Tables<'static>,
     sampler: Sampler,
     mut recorder: Option<Recorder>,
-    mut scales: Option<LiveScales>,
+    scales: Option<LiveScales<'_>>,
     (limits, view): (&Limits, &ViewArgs),
 ) -> anyhow::Result<Report> {
     let needed = source_size_px(tables)?;
@@ -68,7 +68,7 @@ pub fn run(
             undecodable += 1;
             return Ok(ControlFlow::Continue(()));
         };
-        if let Some(scales) = &mut scales {
+        if let Some(scales) = &scales {
             scales.draw(left.sequence, out_format.layout.core_format(), stitched)?;
         }
         let stitched = &*stitched;
@@ -80,10 +80,7 @@ pub fn run(
             })?;
         }
         watch.shot(shot, Some((stitched, out_format)), begun, statistics, None);
-        Ok(match limits.are_reached(watch.shots(), watch.start()) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        })
+        Ok(limits.flow(watch.shots(), watch.start()))
     });
     if let Err(error) = done
         && !is_closed_pipe(&error)

@@ -70,15 +70,28 @@ impl RigEye {
         distance_m: f64,
     ) -> Result<Vector3<f64>, SightError> {
         let ray = self.pose.rotation * self.eye.unproject(pixel)?;
-        let eye = self.pose.position_m / distance_m;
-        let room = 1.0 - eye.norm_squared();
-        if room.is_nan() || room <= 0.0 || distance_m <= 0.0 {
-            return Err(SightError::TooNear);
-        }
-        let along = eye.dot(&ray);
-        let to_sphere = (along * along + room).sqrt() - along;
-        Ok((eye + ray * to_sphere).normalize())
+        direction_at(&self.pose.position_m, &ray, distance_m)
     }
+}
+
+/// Unit direction, from the body's origin, of the point at `distance_m` (may be infinite) from that
+/// origin on the unit `ray` that begins at `eye_m`.
+///
+/// # Errors
+/// [`SightError::TooNear`] if the eye lies outside that distance.
+pub fn direction_at(
+    eye_m: &Vector3<f64>,
+    ray: &Vector3<f64>,
+    distance_m: f64,
+) -> Result<Vector3<f64>, SightError> {
+    let eye = eye_m / distance_m;
+    let room = 1.0 - eye.norm_squared();
+    if room.is_nan() || room <= 0.0 || distance_m <= 0.0 {
+        return Err(SightError::TooNear);
+    }
+    let along = eye.dot(ray);
+    let to_sphere = (along * along + room).sqrt() - along;
+    Ok((eye + ray * to_sphere).normalize())
 }
 
 /// A rig.

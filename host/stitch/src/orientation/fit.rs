@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use tectum_optics::convention::angle_between;
-use tectum_optics::{OutputMap, Rig, Side, rotation_vector, vector_of_rotation};
+use tectum_optics::{OutputMap, Rig, Side, direction_at, rotation_vector, vector_of_rotation};
 
 use super::labels::{Labelled, label};
 use super::{OrientationError, Placement, Shot};
@@ -162,11 +162,8 @@ impl Sight {
     fn shows(&self, point_m: &Vector3<f64>, turn: &Rotation3<f64>) -> Vector3<f64> {
         let eye_m = turn * self.eye_m;
         let ray = (point_m - eye_m).normalize();
-        // In units of the range, so that infinity needs no case of its own.
-        let eye = eye_m / self.range_m;
-        let along = eye.dot(&ray);
-        let to_sphere = (along * along + 1.0 - eye.norm_squared()).sqrt() - along;
-        (eye + ray * to_sphere).normalize()
+        // No rig has an eye beyond its stitch distance.
+        direction_at(&eye_m, &ray, self.range_m).unwrap_or(ray)
     }
 
     fn expected(&self, turn: &Rotation3<f64>) -> Vector3<f64> {

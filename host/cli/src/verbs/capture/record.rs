@@ -1,6 +1,5 @@
 //! Every frame of both eyes to a video of each.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -32,12 +31,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
             }
         }
         watch.shot(shot, None, begun, statistics, None);
-        Ok(
-            match args.limits.are_reached(watch.shots(), watch.start()) {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            },
-        )
+        Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
     let mut json = watch.json();
     let mut text = String::new();

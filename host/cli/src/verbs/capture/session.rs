@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -64,12 +63,7 @@ pub fn run(
             earlier[1] + kept[1]
         ));
         watch.shot(shot, None, begun, statistics, Some(&session));
-        Ok(
-            match args.limits.are_reached(watch.shots(), watch.start()) {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            },
-        )
+        Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
     let share = session
         .coverage()

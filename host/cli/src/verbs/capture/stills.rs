@@ -1,6 +1,5 @@
 //! Every frame as a picture file.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -27,12 +26,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path) -> anyhow::Result<Report
         }
         number += 1;
         watch.shot(shot, None, begun, statistics, None);
-        Ok(
-            match args.limits.are_reached(watch.shots(), watch.start()) {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            },
-        )
+        Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
     let text = format!("{}\n{}", folder.display(), watch.text());
     Ok(Report::new(text, watch.json()))

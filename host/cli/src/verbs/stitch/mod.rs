@@ -10,12 +10,12 @@ use clap::ValueEnum;
 use image::{DynamicImage, GrayImage};
 use serde_json::json;
 use tectum_bake::convert::{from_rgb8, to_rgb8};
-use tectum_bake::{Format, Pair, Pass, Scales, draw_overlay, output_map, stitch};
+use tectum_bake::{Format, Pair, Pass, stitch};
 use tectum_core::Sampler;
 use tectum_optics::Rig;
 use tectum_stitch::registration::planar::{self, PlanarOptions};
 
-use crate::cameras::{CameraOptions, Limits, USUAL_STEP_DEG, ViewArgs};
+use crate::cameras::{CameraOptions, Limits, LiveScales, ViewArgs};
 use crate::frames::Frames;
 use crate::report::{Report, Usage};
 use crate::{files, paired, pictures};
@@ -147,17 +147,8 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let seconds = start.elapsed().as_secs_f64();
 
     let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
-    match (args.scales, tables.overlay()) {
-        (None, _) => {}
-        (Some(None), Some(overlay)) => draw_overlay(&overlay, format, &mut stitched)?,
-        (Some(step_deg), _) => {
-            let map = output_map(&tables);
-            Scales::new(&map, step_deg.unwrap_or(USUAL_STEP_DEG))?.draw(
-                &map,
-                format,
-                &mut stitched,
-            )?;
-        }
+    if let Some(step_deg) = args.scales {
+        LiveScales::of_body(&tables, step_deg)?.draw(0, format, &mut stitched)?;
     }
     let picture = if format == Format::Gray8 {
         let gray = GrayImage::from_raw(width, height, stitched);
