@@ -5,10 +5,11 @@ use std::path::Path;
 use nalgebra::Vector3;
 use tectum_bake::{BakeOptions, Baked, Format, Pair, Pass, bake, stitch, verify};
 use tectum_core::{Eye, Sampler, StitchError, Tables};
+use tectum_exact::{frame, rng};
 use tectum_optics::convention::angle_between;
 use tectum_optics::io::ocam_calib::OcamCalib;
 use tectum_optics::{Pose, Projection, Rig};
-use tectum_tests::{baked_folder, data, frame, luma, picture, rig, rig_files, rng};
+use tectum_tests::{baked_folder, data, luma, picture, rig, rig_files};
 
 const MAX_ERROR_PX: f64 = 0.05;
 

@@ -1,7 +1,6 @@
 //! Calibration from drawn and real pictures, and sessions that cannot give one.
 
 use std::fs;
-use std::path::Path;
 
 use serde_json::Value;
 
@@ -249,12 +248,9 @@ fn damaged_detections_are_set_aside_and_named() {
 
 #[test]
 fn real_pictures_reach_the_published_residual() {
-    let data =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/ocam-fisheye1/images");
-    if !data.exists() {
-        println!("skipped: {} is absent", data.display());
+    let Some(data) = tectum_test_data::data("ocam-fisheye1/images") else {
         return;
-    }
+    };
     let bench = Bench::new();
     let run = format!(
         "calibrate {} --board 6x8 --square-mm 32.5 -o eye.toml",

@@ -1,7 +1,6 @@
 //! Properties that every model has: there and back, and a typed refusal outside.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::path::PathBuf;
 
 use proptest::prelude::*;
 
@@ -330,14 +329,12 @@ fn wide_lenses_go_beyond_90_degrees() {
 
 #[test]
 fn published_lenses_of_220_degrees_go_there_and_back() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    if !folder.is_dir() {
-        println!("skipped: no real data beside the repository");
+    let Some(folder) = tectum_test_data::data("rig220-sweepnet") else {
         return;
-    }
+    };
     let (mut worst_rad, mut worst_px) = (0.0f64, 0.0f64);
     for camera in 1..=4 {
-        let path = folder.join(format!("rig220-sweepnet/ocam{camera}.txt"));
+        let path = folder.join(format!("ocam{camera}.txt"));
         let calib = OcamCalib::parse(&std::fs::read_to_string(path).unwrap()).unwrap();
         let model = CameraModel::Ocam(calib.to_model(calib.farthest_corner_px()).unwrap());
         for tenth in 0..=1100 {

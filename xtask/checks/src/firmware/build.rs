@@ -7,7 +7,8 @@ use anyhow::{Context, bail};
 
 use super::board::Board;
 use super::toolchain::Toolchain;
-use super::{target_dir, workspace};
+use super::workspace;
+use xtask::target_dir;
 
 /// A compiler and the board it builds for.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +51,7 @@ impl Builder {
             .context("starting cargo")
     }
 
-    /// Where the program of that name lies once built.
+    /// Where the program of that name lies until another board is built.
     pub fn program(self, name: &str) -> PathBuf {
         self.folder()
             .join(self.board.target())
@@ -58,7 +59,8 @@ impl Builder {
             .join(name)
     }
 
+    /// One for all boards: what runs on this machine while building is then built once.
     fn folder(self) -> PathBuf {
-        target_dir("firmware").join(self.board.name())
+        target_dir("firmware")
     }
 }

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use tectum_bake::{BakeOptions, Baked, bake};
 use tectum_optics::{Projection, Rig};
 
-use crate::repository;
+use xtask::repository;
 
 /// Arguments of `cargo xtask tables`.
 #[derive(clap::Args, Default)]

@@ -5,7 +5,9 @@ use std::fs;
 
 use anyhow::{Context, bail};
 
-use crate::{firmware, repository, tables};
+use xtask::repository;
+
+use crate::{firmware, tables};
 
 const BEGIN: &str = "<!-- figures: written by `cargo xtask figures --bless` -->\n";
 const END: &str = "<!-- end of figures -->\n";

@@ -3,9 +3,9 @@
 
 use rand::RngExt;
 use tectum_core::{Eye, TableError, Tables};
+use tectum_exact::{parse_and_run, rng, table};
 use tectum_tables::Tag;
 use tectum_tables::builder::{MeshData, TableBuilder, seal, with_section};
-use tectum_tests::{parse_and_run, rng, table};
 
 /// With one curve at most, for any byte of any curve is as good as another.
 fn small_table(seed: u64) -> TableBuilder {
@@ -162,7 +162,7 @@ fn a_section_that_must_be_understood_is_and_others_are_skipped() {
 
 #[test]
 fn the_fuzz_corpus_is_safe() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/corpus/tables");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fuzz/corpus/tables");
     let mut files = 0;
     for entry in std::fs::read_dir(folder).expect("the corpus is part of the repository") {
         let bytes = std::fs::read(entry.expect("readable").path()).expect("readable");

@@ -5,9 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use tectum_core::{
     Exposure, Eye, Frame, Gains, Gray8, Meter, Rgb8, Sampler, Stitcher, Tables, Tone,
 };
+use tectum_exact::{frame, rng, table};
 use tectum_tables::MeterPair;
 use tectum_tables::builder::{RunData, TableBuilder};
-use tectum_tests::{frame, rng, table};
 
 const SIDE: u16 = 40;
 

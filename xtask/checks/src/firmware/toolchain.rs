@@ -4,31 +4,8 @@ use std::path::Path;
 use std::process::Command;
 
 use super::board::Board;
-use crate::packages::{self, Need};
-
-const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
-const DEBIAN_COMPILER: &[Need] = &[
-    Need {
-        file: DEBIAN_RUSTC,
-        package: "rustc-web",
-    },
-    Need {
-        file: "/usr/bin/cargo",
-        package: "cargo-web",
-    },
-    Need {
-        file: "/usr/lib/rustlib/src/rust/library/core",
-        package: "rust-web-src",
-    },
-    Need {
-        file: "/usr/bin/ld.lld",
-        package: "lld",
-    },
-];
-const QEMU: Need = Need {
-    file: "/usr/bin/qemu-system-arm",
-    package: "qemu-system-arm",
-};
+use xtask::debian;
+use xtask::packages::{self, BOARD_COMPILER, BOARD_EMULATOR};
 
 /// A compiler that can build for the boards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,28 +17,30 @@ pub enum Toolchain {
 }
 
 impl Toolchain {
-    /// Finds or installs a compiler for `boards`, and QEMU; else one line that says what to do.
+    /// Finds a compiler for `boards`, and QEMU; else one line that says what to install.
     pub fn find(boards: &[Board]) -> Result<Self, String> {
-        let lacking: Vec<&str> = lacking_targets(boards);
-        let active = lacking.is_empty();
-        let have_qemu =
-            packages::find_program("qemu-system-arm").is_some() || packages::ensure(&[QEMU], None);
-        let have_compiler = active || packages::ensure(DEBIAN_COMPILER, None);
-        match (have_qemu, have_compiler) {
-            (true, true) if active => Ok(Self::Active),
-            (true, true) => Ok(Self::Debian),
-            (true, false) => Err(format!(
-                "no compiler for the boards: `rustup target add {}`, or as root `apt-get install {}`",
+        let lacking = lacking_targets(boards);
+        let toolchain = if lacking.is_empty() {
+            Self::Active
+        } else {
+            Self::Debian
+        };
+        let mut advice = Vec::new();
+        if toolchain == Self::Debian && !packages::are_there(BOARD_COMPILER) {
+            advice.push(format!(
+                "no compiler for the boards: `rustup target add {}`, or {}",
                 lacking.join(" "),
-                packages::names(DEBIAN_COMPILER)
-            )),
-            (false, _) => Err(format!(
-                "no emulator and maybe no compiler: install QEMU's qemu-system-arm and `rustup target \
-                 add {}`, or as root `apt-get install {} {}`",
-                lacking.join(" "),
-                QEMU.package,
-                packages::names(DEBIAN_COMPILER)
-            )),
+                packages::advice(BOARD_COMPILER)
+            ));
+        }
+        if packages::find_program("qemu-system-arm").is_none() {
+            let advised = packages::advice(BOARD_EMULATOR);
+            advice.push(format!("no emulator of the boards: {advised}"));
+        }
+        if advice.is_empty() {
+            Ok(toolchain)
+        } else {
+            Err(advice.join("; "))
         }
     }
 
@@ -69,7 +48,7 @@ impl Toolchain {
     pub fn cargo(self, board: Board, subcommand: &str) -> Command {
         let mut cargo = match self {
             Self::Active => Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into())),
-            Self::Debian => debian_cargo(),
+            Self::Debian => debian::cargo(),
         };
         // Flags from outside would replace those of the board.
         for variable in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_TARGET"] {
@@ -88,7 +67,7 @@ impl Toolchain {
     pub fn version(self) -> String {
         let rustc = match self {
             Self::Active => "rustc",
-            Self::Debian => DEBIAN_RUSTC,
+            Self::Debian => debian::RUSTC,
         };
         let text = stdout(Command::new(rustc).arg("--version")).unwrap_or_default();
         text.split_whitespace()
@@ -96,18 +75,6 @@ impl Toolchain {
             .collect::<Vec<_>>()
             .join(" ")
     }
-}
-
-/// Debian's cargo with Debian's compiler, whatever toolchain started this program.
-pub fn debian_cargo() -> Command {
-    let mut cargo = Command::new("/usr/bin/cargo");
-    cargo
-        .env("RUSTC", DEBIAN_RUSTC)
-        .env("RUSTDOC", "/usr/bin/rustdoc");
-    for variable in ["RUSTUP_TOOLCHAIN", "LD_LIBRARY_PATH", "CARGO", "RUSTFLAGS"] {
-        cargo.env_remove(variable);
-    }
-    cargo
 }
 
 /// Targets of `boards` that the active compiler has no libraries for.

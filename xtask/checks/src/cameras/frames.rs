@@ -10,7 +10,7 @@ use tectum_bake::{BakeOptions, Format, bake};
 use tectum_capture::{Frame, FrameFormat, Layout, Recorder, VideoKind};
 use tectum_optics::{Projection, Rig};
 
-use crate::repository;
+use xtask::repository;
 
 /// Smallest picture that the virtual HDMI takes.
 const SIZE_PX: [u16; 2] = [640, 480];

@@ -1,6 +1,5 @@
-//! `cargo xtask firmware`: the core on emulated Cortex-M boards.
+//! The core on emulated Cortex-M boards.
 
-pub mod aarch64;
 mod board;
 mod build;
 mod emulate;
@@ -17,8 +16,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use crate::repository;
-use crate::steps::Outcome;
+use xtask::{Outcome, repository};
 
 /// Arguments of `cargo xtask firmware`.
 #[derive(clap::Args)]
@@ -43,21 +41,7 @@ pub fn run(args: Args) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Every program and proof on every board.
-pub fn test_all() -> anyhow::Result<Outcome> {
-    test::run(&test::Args::default())
-}
-
 /// The firmware workspace.
 fn workspace() -> PathBuf {
     repository().join("firmware-sim")
-}
-
-/// A folder for build products of a cross build, inside the target folder in use.
-pub fn target_dir(name: &str) -> PathBuf {
-    let base = std::env::var_os("CARGO_TARGET_DIR").map_or_else(
-        || repository().join("target"),
-        |dir| repository().join(PathBuf::from(dir)),
-    );
-    base.join(name)
 }

@@ -11,7 +11,7 @@ use super::build::Builder;
 use super::snapshot::{self, Compare};
 use super::toolchain::Toolchain;
 use super::{emulate, host, proofs, workspace};
-use crate::steps::Outcome;
+use xtask::Outcome;
 
 /// Programs that run, and how their output is compared.
 const PROGRAMS: [(&str, Compare); 6] = [

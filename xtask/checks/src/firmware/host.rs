@@ -10,7 +10,7 @@ use tectum_fixture::job::JobError;
 use tectum_fixture::{job, overlay, queries, scaled_table_file, table_file, tone, toned};
 
 use super::board::Board;
-use super::repository;
+use xtask::repository;
 
 /// What a program should log, for those that this machine can repeat.
 pub fn lines(board: Board, program: &str) -> anyhow::Result<Option<Vec<String>>> {

@@ -3,7 +3,7 @@
 use tectum_bake::reference::{overlay, position_q8, quantised};
 use tectum_bake::{Format, Pair, Pass, draw_overlay, stitch};
 use tectum_core::{Eye, Sampler, Tables};
-use tectum_tests::{frame, rng, table};
+use tectum_exact::{frame, rng, table};
 
 /// Stitches random frames with random table `seed` in every format given and compares bytes.
 fn core_equals_reference(seed: u64, max_px: [u16; 2], formats: &[Format]) {
@@ -44,6 +44,14 @@ fn core_equals_reference(seed: u64, max_px: [u16; 2], formats: &[Format]) {
 }
 
 #[test]
+fn thousands_of_small_tables() {
+    for seed in 0..20_000 {
+        core_equals_reference(seed, [24, 3], &[Format::Gray8]);
+    }
+}
+
+#[test]
+#[ignore = "campaign exact: a minute"]
 fn hundred_thousand_small_tables() {
     for seed in 0..100_000 {
         core_equals_reference(seed, [24, 3], &[Format::Gray8]);

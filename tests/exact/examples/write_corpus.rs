@@ -1,12 +1,12 @@
 //! Writes the seeds of the fuzz corpus: a few random tables, whole and cut short.
-//! `cargo run -p tectum-tests --example write_corpus`
+//! `cargo run -p tectum-exact --example write_corpus`
 
 use std::path::Path;
 
 fn main() -> std::io::Result<()> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/tables");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus/tables");
     for seed in 0..8 {
-        let builder = tectum_tests::table(&mut tectum_tests::rng(seed), [40, 12]);
+        let builder = tectum_exact::table(&mut tectum_exact::rng(seed), [40, 12]);
         let bytes = builder.to_bytes().map_err(std::io::Error::other)?;
         std::fs::write(folder.join(format!("random-{seed}.tct")), &bytes)?;
         std::fs::write(
