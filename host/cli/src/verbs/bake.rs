@@ -95,7 +95,7 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
         "flash   {} bytes: left mesh {}, right mesh {}, runs {}, tone {}, metering {}, \
          scales {}, other {}\n\
          mesh    a vertex every {} px\n\
-         error   {} (source position against the camera model)\n{}{}\
+         error   {} (source position against the camera model)\n{}{}{}\
          pixels  left {:.1} %, right {:.1} %, blend {:.1} %, void {:.1} %\n\n\
          format   RAM: both frames   one frame, output   output row   M7 instructions a picture*\n",
         bytes.total,
@@ -108,6 +108,10 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
         bytes.other,
         step(report.step),
         max_rms(&report.coordinate_error_px, "px"),
+        report.bend_deg.map_or_else(String::new, |bend| format!(
+            "bend    {} (what a pixel shows against the direction it stands for)\n",
+            max_rms(&bend, "degrees")
+        )),
         report.tone_error.map_or_else(String::new, |error| format!(
             "tone    Y {:.2}, U V {:.2} levels RMS off the curves for red, green, blue\n",
             error.luma_rms, error.chroma_rms
@@ -176,6 +180,9 @@ fn cost_json(baked: &Baked, table: &Path) -> Value {
         "coordinate_error_px": report.coordinate_error_px,
         "pixels": report.pixels,
     });
+    if let Some(bend) = report.bend_deg {
+        json["bend_deg"] = json!(bend);
+    }
     if let Some(error) = report.tone_error {
         json["tone_error_levels"] = json!(error);
     }
