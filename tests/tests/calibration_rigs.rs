@@ -123,6 +123,7 @@ fn published(file: &Path) -> Calibration {
         views: Vec::new(),
         rms_px: 0.0,
         held_out_rms_px: None,
+        held_out_all_rms_px: None,
         field_rad: 0.0,
         parameters: Vec::new(),
         covariance: DMatrix::zeros(0, 0),

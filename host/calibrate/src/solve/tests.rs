@@ -317,7 +317,7 @@ fn parts_of_boards_are_enough() {
 #[test]
 fn other_models_are_fitted_and_scored() {
     let options = Options {
-        model: Model::KannalaBrandt,
+        model: Some(Model::KannalaBrandt),
         ..fixed_degree()
     };
     let result = calibrate(&problem(10, 0.1, 7), &options).expect("calibrates");

@@ -26,8 +26,8 @@ use shots::Shots;
     tectum calibrate --left l --right r --board 8x6 --square-mm 30 -o rig.toml\n\n\
     A board is told by its inner corners, columns x rows: 9 x 7 squares are 8x6. 10 pictures or\n\
     more, the board tilted every way and out to the edge of the image. The lens is OCamCalib's\n\
-    polynomial, its degree chosen on pictures held out; other models are fitted to the same corners\n\
-    and scored beside it. OpenCV and Kalibr files hold a Kannala-Brandt lens fitted to the same\n\
+    polynomial, its degree chosen on pictures held out, unless another model predicts those surely\n\
+    better; every model that was fitted is listed with its score. OpenCV and Kalibr files hold a Kannala-Brandt lens fitted to the same\n\
     corners.\n\n\
     What is found in each picture is kept at once, in OUT.session beside the output: an\n\
     interrupted run goes on where it ended, and more pictures cost only themselves.\n\
@@ -70,9 +70,9 @@ pub struct Args {
     /// Kalibr's file to write (pinhole, equidistant)
     #[arg(long, value_name = "FILE.yaml", conflicts_with = "left")]
     kalibr: Option<PathBuf>,
-    /// Model of the eye's lens
-    #[arg(long, value_enum, default_value_t = ModelName::Ocam)]
-    model: ModelName,
+    /// Model of the eye's lens (default: the one that predicts pictures held out best)
+    #[arg(long, value_enum)]
+    model: Option<ModelName>,
     /// Degree of the polynomial (default: chosen on pictures held out)
     #[arg(long, value_name = "N")]
     degree: Option<usize>,
@@ -182,7 +182,7 @@ impl Args {
 
     fn options(&self) -> Options {
         Options {
-            model: self.model.into(),
+            model: self.model.map(Into::into),
             degree: self.degree,
             decentring: !self.no_decentring,
             ..Options::default()

@@ -69,11 +69,16 @@ fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
 fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Result<CameraModel> {
     let own = &eye.calibration.model;
     let decentred = matches!(own, CameraModel::Ocam(lens) if lens.decentring_per_px() != [0.0; 2]);
-    if Model::from(args.model) == model && !decentred {
+    let is_wanted = match own {
+        CameraModel::Ocam(_) => model == Model::Ocam,
+        CameraModel::KannalaBrandt(_) => model == Model::KannalaBrandt,
+        _ => false,
+    };
+    if is_wanted && !decentred {
         return Ok(own.clone());
     }
     let options = Options {
-        model,
+        model: Some(model),
         decentring: false,
         ..args.options()
     };

@@ -27,6 +27,8 @@ pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
     let kept = |error| shots[0].and_kept(error);
     let [left, right] = [&shots[0], &shots[1]].map(Shots::files);
     let pairs = pair_by_name(&left, &right)?;
+    let of_pair = |[index, _]: &[usize; 2]| left[*index].display().to_string();
+    let pictures: Vec<String> = pairs.pairs.iter().map(of_pair).collect();
     let [left, right] = problems(args, &shots, &pairs);
     let calibrate = |problem| solve::calibrate(problem, &args.options());
     let eyes = [("left", &left), ("right", &right)].map(|(side, problem)| {
@@ -47,7 +49,7 @@ pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
         )?;
     }
     files::write(&args.output, rig(args, &both, &names).as_bytes())?;
-    Ok(report(args, &both, &eyes, &pairs, &names))
+    Ok(report(args, &both, &eyes, (&pairs, &pictures), &names))
 }
 
 /// `rig.toml` to `rig-left.toml`.
@@ -140,7 +142,8 @@ fn report(
     args: &Args,
     both: &StereoCalibration,
     eyes: &[Calibration; 2],
-    pairs: &Pairs,
+    // And each pair's name.
+    (pairs, pictures): (&Pairs, &[String]),
     names: &[PathBuf; 2],
 ) -> Report {
     let mount = both.mount();
@@ -160,6 +163,34 @@ fn report(
         both.baseline_mm(),
         <[f64; 3]>::from(both.position_standard_error_mm),
     );
+    let _ = writeln!(
+        text,
+        "residual   {:.3} px with both eyes together, {:.3} px each alone",
+        both.rms_px, both.alone_rms_px
+    );
+    if let Some(ratio) = both.strain() {
+        let _ = writeln!(
+            text,
+            "warning: both eyes together fit {ratio:.1} times worse than each alone: does the board \
+             move between the two pictures, do the cameras' clocks differ?"
+        );
+    }
+    for (pair, rms_px) in both.pairs_rms_px.iter().enumerate() {
+        if let Some(rms_px) = rms_px {
+            let _ = writeln!(text, "pair {}: {rms_px:.3} px RMS", pictures[pair]);
+        }
+    }
+    for pair in &both.left_out {
+        let joint = pair.rms_px.map_or("beyond a fit".into(), |rms_px| {
+            format!("{rms_px:.3} px RMS")
+        });
+        let _ = writeln!(
+            text,
+            "left out pair {}: {joint} together, {:.3} px each eye alone: did the board move between \
+             the two pictures?",
+            pictures[pair.pair], pair.alone_rms_px
+        );
+    }
     for (name, eye) in names.iter().zip(eyes) {
         let _ = writeln!(
             text,
@@ -182,7 +213,27 @@ fn report(
             "field_deg": 2.0 * eye.field_rad.to_degrees(),
         })
     };
+    let used_pairs = both.pairs_rms_px.iter().enumerate();
+    let used_pairs = used_pairs.filter_map(|(pair, rms_px)| Some((&pictures[pair], (*rms_px)?)));
+    let pairs_json: Vec<serde_json::Value> = used_pairs
+        .map(|(name, rms_px)| json!({ "pair": name, "rms_px": rms_px }))
+        .collect();
+    let left_out: Vec<serde_json::Value> = both
+        .left_out
+        .iter()
+        .map(|pair| {
+            json!({
+                "pair": pictures[pair.pair],
+                "rms_px": pair.rms_px,
+                "alone_rms_px": pair.alone_rms_px,
+            })
+        })
+        .collect();
     let json = json!({
+        "pairs_rms_px": pairs_json,
+        "pairs_left_out": left_out,
+        "alone_rms_px": both.alone_rms_px,
+        "joint_over_alone": both.rms_px / both.alone_rms_px,
         "pairs": pairs.pairs.len(),
         "pairs_used": used,
         "unpaired": pairs.alone,
