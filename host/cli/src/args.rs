@@ -53,6 +53,22 @@ pub fn degrees(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "needed is an angle in degrees, -360 to 360".into())
 }
 
+/// Parser of a time, s.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|seconds| (0.0..=1e9).contains(seconds))
+        .ok_or_else(|| "needed is a time in seconds, 0 to 1e9".into())
+}
+
+/// Parser of a time, ms.
+pub fn milliseconds(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|ms| (0.0..=1e6).contains(ms))
+        .ok_or_else(|| "needed is a time in milliseconds, 0 to 1e6".into())
+}
+
 /// What the stitched picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ProjectionName {

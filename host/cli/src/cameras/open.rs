@@ -30,7 +30,7 @@ pub struct CameraOptions {
     pub rate: Option<u32>,
     /// Frames taken at most this far apart belong together; at most, and without, half of the time
     /// between frames
-    #[arg(long, value_name = "MS")]
+    #[arg(long, value_name = "MS", value_parser = crate::args::milliseconds, allow_negative_numbers = true)]
     pub tolerance_ms: Option<f64>,
     /// Give both eyes the left eye's exposure, gain and white balance of this moment, and keep them
     #[arg(long)]

@@ -13,6 +13,11 @@ use tectum_scene::camera::Pose;
 /// From line to line of scales, degrees, where nothing else is said.
 const USUAL_STEP_DEG: f64 = 30.0;
 
+/// Greatest time, position and angle of an attitude file; angles may count turns.
+const MAX_TIME_S: f64 = 1e9;
+const MAX_POSITION_M: f64 = 1e6;
+const MAX_ANGLE_DEG: f64 = 36_000.0;
+
 /// What is drawn on each frame.
 pub enum LiveScales<'t> {
     /// The same lines always.
@@ -82,6 +87,7 @@ impl<'t> LiveScales<'t> {
                     attitudes.len()
                 );
             }
+            row.check().with_context(name)?;
             attitudes.push(row.world_from_body());
         }
         Ok(Self::World {
@@ -115,6 +121,25 @@ impl<'t> LiveScales<'t> {
 }
 
 impl Attitude {
+    /// Refuses numbers that are none, or that no body has.
+    fn check(&self) -> anyhow::Result<()> {
+        let (metres, degrees) = (
+            [self.x_m, self.y_m, self.z_m],
+            [self.yaw_deg, self.pitch_deg, self.roll_deg],
+        );
+        let is_sound = self.time_s.abs() <= MAX_TIME_S
+            && metres.iter().all(|m| m.abs() <= MAX_POSITION_M)
+            && degrees.iter().all(|deg| deg.abs() <= MAX_ANGLE_DEG);
+        if !is_sound {
+            bail!(
+                "frame {}: needed are finite numbers, angles of at most {MAX_ANGLE_DEG} degrees, \
+                 positions of at most {MAX_POSITION_M} m",
+                self.frame
+            );
+        }
+        Ok(())
+    }
+
     fn world_from_body(&self) -> Rotation3<f64> {
         let pose = Pose {
             yaw_deg: self.yaw_deg,

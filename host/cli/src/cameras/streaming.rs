@@ -11,7 +11,7 @@ use tectum_core::{Eye, Sampler, Tables};
 
 use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt};
 use crate::files;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 
 /// A table that lives as long as the program: the preview's thread answers from it.
 pub fn keep(bytes: Vec<u8>, path: &Path) -> anyhow::Result<&'static Tables<'static>> {
@@ -95,7 +95,7 @@ pub fn run(
     json["undecodable"] = json!(undecodable);
     if let Some(recorder) = &recorder {
         text = format!("{}\n{text}", recorder.path().display());
-        json["video"] = json!(recorder.path());
+        json["video"] = path_json(recorder.path());
     }
     Ok(Report::new(text, json))
 }

@@ -46,6 +46,7 @@ pub struct Args {
 /// Bakes and writes.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let rig = Rig::load(&args.rig)?;
+    files::check_outputs([&args.output], files::rig_inputs(&args.rig))?;
     let options = BakeOptions {
         output: args.picture.output_map(&rig)?,
         max_error_px: args.max_error,

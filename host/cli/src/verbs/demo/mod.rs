@@ -143,7 +143,6 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         json,
         failure: (mismatches > 0)
             .then(|| format!("{mismatches} bytes differ from the reference: a bug, please report")),
-        beside_output: false,
     })
 }
 
