@@ -19,7 +19,7 @@ pub use camera::{CameraModel, ModelError};
 pub use field::{Eye, Field, FieldError, SightError};
 pub use front_element::{FrontElement, FrontElementError, InWater, WATER_INDEX};
 pub use pose::{Pose, Side, rotation_vector, vector_of_rotation};
-pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
+pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula, ViewRange};
 pub use rig::{
     CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, SeamMap,
     Stitching, StitchingFile, WarpMap, direction_at,
