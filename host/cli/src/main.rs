@@ -14,6 +14,7 @@ mod paired;
 mod pictures;
 mod pool;
 mod progress;
+mod ranges;
 mod report;
 mod rig_files;
 mod shown;

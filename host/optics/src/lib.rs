@@ -21,7 +21,7 @@ pub use field::{Eye, Field, FieldError, SightError};
 pub use front_element::{FrontElement, FrontElementError, InWater, WATER_INDEX};
 pub use limited::read_limited;
 pub use pose::{Pose, Side, rotation_vector, vector_of_rotation};
-pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
+pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula, ViewRange};
 pub use rig::{
     CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, RigOfEyeFiles,
     SeamMap, Stitching, StitchingFile, WarpMap, direction_at,
