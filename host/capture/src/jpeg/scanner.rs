@@ -198,8 +198,10 @@ impl<R: Read> Scanner<R> {
                         return Ok(Outcome::Cut(start..at, start + 2));
                     };
                     // A cut segment reaches into the next picture, whose start may be taken for its
-                    // length; and the byte behind tells whether it starts with the last two.
-                    let with_next = end + usize::from(self.has(end)?);
+                    // length; the bytes behind tell whether it starts with the last ones.
+                    let with_next = (end..end + 2)
+                        .find(|at| !matches!(self.has(*at), Ok(true)))
+                        .unwrap_or(end + 2);
                     let from_length = &self.data[at + 2..with_next];
                     let may_hold = may_hold_picture(kind, &from_length[2..]);
                     if let (Some(inside), false) = (starts(from_length), may_hold) {
