@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use serde_json::json;
-use tectum_capture::{CaptureError, Frame, FrameFormat, LiveStitcher, Pair, Recorder};
+use tectum_capture::{CaptureError, Frame, LiveStitcher, Pair, Recorder};
 use tectum_core::{Eye, Sampler, Tables};
 
 use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt};
@@ -54,10 +54,7 @@ pub fn run(
         .map(|address| showing::serve(address, feed, Some(tables)));
     let mut watch = Watch::new(feed, preview.transpose()?);
     let mut stitcher = LiveStitcher::new(tables, sampler);
-    let out_format = FrameFormat::packed(
-        LiveStitcher::output_layout(given.layout),
-        stitcher.output_size_px(),
-    );
+    let out_format = stitcher.output_format(given);
     let mut undecodable = 0_u64;
     let done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
@@ -86,6 +83,9 @@ pub fn run(
         && !is_closed_pipe(&error)
     {
         return Err(error).with_context(|| format!("after {} frames", watch.shots()));
+    }
+    if watch.shots() == 0 {
+        bail!("no frame was stitched\n{}", watch.text());
     }
     let mut text = watch.text();
     let mut json = watch.json();
