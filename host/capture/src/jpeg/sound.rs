@@ -82,10 +82,7 @@ pub fn check_jpeg(jpeg: &[u8]) -> Result<JpegInfo, JpegDamage> {
         is_unusual: false,
     };
     let mut at = 2;
-    loop {
-        let Some((kind, after)) = next_marker(jpeg, at)? else {
-            break;
-        };
+    while let Some((kind, after)) = next_marker(jpeg, at)? {
         at = after;
         match kind {
             marker::EOI => break,
