@@ -102,7 +102,10 @@ fn a_drawn_session_gives_its_lens_and_all_files() {
     let upto = rig.find("[left]").unwrap();
     let rig = format!("{}[left]\nfile = \"eye.toml\"\n", &rig[..upto]);
     fs::write(bench.path("own.toml"), rig).unwrap();
-    assert!(bench.done("inspect own.toml").contains("ocam"));
+    // The family is chosen on held-out pictures: any may win on a drawn lens.
+    let seen = bench.done("inspect own.toml");
+    let families = ["ocam", "kannala", "double"];
+    assert!(families.iter().any(|name| seen.contains(name)), "{seen}");
     let text = bench.done(RUN);
     assert!(
         text.contains("held out") && text.contains("skipped shots/05b.png"),
