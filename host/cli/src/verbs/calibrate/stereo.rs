@@ -205,7 +205,8 @@ fn report(
         })
     };
     let used_pairs = both.pairs_rms_px.iter().enumerate();
-    let used_pairs = used_pairs.filter_map(|(pair, rms_px)| Some((pictures.get(pair)?, (*rms_px)?)));
+    let used_pairs =
+        used_pairs.filter_map(|(pair, rms_px)| Some((pictures.get(pair)?, (*rms_px)?)));
     let pairs_json: Vec<serde_json::Value> = used_pairs
         .map(|(name, rms_px)| json!({ "pair": name, "rms_px": rms_px }))
         .collect();
