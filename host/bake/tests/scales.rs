@@ -103,7 +103,7 @@ fn the_core_draws_what_the_definition_says() {
             .collect()
     };
     for (name, projection) in projections() {
-        for (size, step_deg) in [([320, 81], 15.0), ([802, 46], 30.0), ([64, 250], 7.5)] {
+        for (size, step_deg) in [([320, 161], 15.0), ([1602, 90], 30.0), ([64, 500], 7.5)] {
             let map = map(projection, size);
             let scales = Scales::new(&map, step_deg).unwrap();
             let overlay = Overlay::parse(&scales.bytes, map.size_px).unwrap();
