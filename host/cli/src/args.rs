@@ -54,6 +54,14 @@ pub fn degrees(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "needed is an angle in degrees, -360 to 360".into())
 }
 
+/// Parser of a field of view, degrees.
+pub fn field_of_view(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|deg| (0.1..=360.0).contains(deg))
+        .ok_or_else(|| "needed is a field of view in degrees, 0.1 to 360".into())
+}
+
 /// Parser of a time, s.
 pub fn seconds(text: &str) -> Result<f64, String> {
     text.parse()
@@ -134,7 +142,7 @@ pub struct OutputArgs {
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true)]
     pub roll: Option<f64>,
     /// Field of view, degrees (cylindrical, fisheye, perspective)
-    #[arg(long, value_name = "DEG", value_parser = degrees)]
+    #[arg(long, value_name = "DEG", value_parser = field_of_view, allow_negative_numbers = true)]
     pub fov: Option<f64>,
 }
 

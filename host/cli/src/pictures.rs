@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, RgbImage};
+use image::{DynamicImage, GrayImage, ImageError, ImageFormat, ImageReader, RgbImage};
 
 use crate::files;
 
@@ -29,9 +29,15 @@ fn decode(path: &Path) -> anyhow::Result<DynamicImage> {
         .with_guessed_format()
         .map_err(anyhow::Error::from)
         .and_then(|reader| Ok(reader.decode()?));
-    decoded.with_context(|| {
+    decoded.map_err(|error| {
         let path = path.display();
-        format!("{path}: not a sound PNG, JPEG, PNM, BMP or TIFF")
+        let what = match error.downcast_ref() {
+            Some(ImageError::Limits(_)) => {
+                "too large a picture: decoded it takes more than 512 MiB"
+            }
+            _ => "not a sound PNG, JPEG, PNM, BMP or TIFF",
+        };
+        error.context(format!("{path}: {what}"))
     })
 }
 
