@@ -53,6 +53,14 @@ pub fn degrees(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "needed is an angle in degrees, -360 to 360".into())
 }
 
+/// Parser of a time that is not negative, in the unit that the option names.
+pub fn duration(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|time: &f64| time.is_finite() && *time >= 0.0)
+        .ok_or_else(|| "needed is a number that is not negative".into())
+}
+
 /// What the stitched picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ProjectionName {

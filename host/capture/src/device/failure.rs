@@ -25,8 +25,9 @@ pub(super) fn of(path: &Path, doing: &'static str, error: io::Error) -> CaptureE
         // A USB bus without room for both cameras' data.
         Some(ENOSPC) => CaptureError::Driver {
             name,
-            doing: "starting (the USB bus has no room: use another port, a smaller --frame-size, or \
-                    --pixel-format MJPG)",
+            doing: "starting (the USB bus has no room for what this camera would send: put it on \
+                    another port, one of another controller, or give a smaller --frame-size, a \
+                    lower --rate or --pixel-format MJPG)",
             source: error,
         },
         Some(EINVAL) if doing == "asking what it is" => {

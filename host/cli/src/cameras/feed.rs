@@ -3,8 +3,10 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use serde_json::Value;
 use tectum_capture::{
     Counts, Frame, FrameFormat, FrameSource, Health, Next, Pair, PairStatistics, Pairs, Stop,
+    halves,
 };
 
 /// What the eyes give at one moment.
@@ -16,6 +18,8 @@ pub enum Feed {
     One(Box<dyn FrameSource>, bool),
     /// Both.
     Two(Pairs),
+    /// One source of both eyes side by side, and the format of a half.
+    SideBySide(Box<dyn FrameSource>, FrameFormat, PairStatistics),
 }
 
 impl Feed {
@@ -24,13 +28,14 @@ impl Feed {
         match self {
             Self::One(source, _) => source.format(),
             Self::Two(pairs) => pairs.format(),
+            Self::SideBySide(_, half, _) => *half,
         }
     }
 
     /// Whether frames come when they come.
     pub fn is_live(&self) -> bool {
         match self {
-            Self::One(source, _) => source.is_live(),
+            Self::One(source, _) | Self::SideBySide(source, ..) => source.is_live(),
             Self::Two(pairs) => pairs.is_live(),
         }
     }
@@ -38,7 +43,7 @@ impl Feed {
     /// Frames, in seconds.
     pub fn rate(&self) -> [u32; 2] {
         let period_ns = match self {
-            Self::One(source, _) => source.period_ns(),
+            Self::One(source, _) | Self::SideBySide(source, ..) => source.period_ns(),
             Self::Two(pairs) => pairs.period_ns(),
         };
         let hz = 1e9 / period_ns.unwrap_or(33_333_333) as f64;
@@ -61,6 +66,27 @@ impl Feed {
                 let [of_left, of_right] = pairs.health();
                 [Some((left, of_left)), Some((right, of_right))]
             }
+            Self::SideBySide(source, ..) => ["left", "right"]
+                .map(|half| Some((format!("{}, {half} half", source.name()), source.health()))),
+        }
+    }
+
+    /// What is known of each eye's source, for a recording's description.
+    pub fn facts(&self) -> [Value; 2] {
+        match self {
+            Self::One(source, true) => [Value::Null, source.facts()],
+            Self::One(source, false) => [source.facts(), Value::Null],
+            Self::Two(pairs) => pairs.facts(),
+            Self::SideBySide(source, ..) => [source.facts(), source.facts()],
+        }
+    }
+
+    /// What became of the frames so far.
+    pub fn statistics(&self) -> PairStatistics {
+        match self {
+            Self::One(..) => PairStatistics::default(),
+            Self::Two(pairs) => pairs.statistics(),
+            Self::SideBySide(_, _, statistics) => *statistics,
         }
     }
 
@@ -74,6 +100,28 @@ impl Feed {
             Self::Two(pairs) => pairs.for_each(stop, |Pair { left, right }, statistics| {
                 use_shot(&[Some(left), Some(right)], statistics)
             }),
+            Self::SideBySide(source, half, statistics) => {
+                let health = source.health();
+                let mut scratch = Vec::new();
+                while !stop.is_set() {
+                    let frame = match source.next()? {
+                        Next::Frame(frame) => frame,
+                        Next::Nothing => continue,
+                        Next::End => break,
+                    };
+                    let Ok([left, right]) = halves(&frame, *half, &mut scratch) else {
+                        health.corrupt();
+                        continue;
+                    };
+                    statistics.pairs += 1;
+                    statistics.first_left_ns.get_or_insert(left.time_ns);
+                    statistics.drift.add(left.time_ns, right.time_ns);
+                    if use_shot(&[Some(left), Some(right)], statistics)?.is_break() {
+                        break;
+                    }
+                }
+                Ok(())
+            }
             Self::One(source, is_right) => {
                 while !stop.is_set() {
                     let frame = match source.next()? {
@@ -97,9 +145,10 @@ impl Feed {
 }
 
 /// Counters for a script.
-pub fn counts_json(counts: &Counts) -> serde_json::Value {
+pub fn counts_json(counts: &Counts) -> Value {
     serde_json::json!({
         "frames": counts.frames, "dropped": counts.dropped, "corrupt": counts.corrupt,
-        "reconnects": counts.reconnects, "connected": counts.connected,
+        "reconnects": counts.reconnects, "misstamped": counts.misstamped,
+        "clock_jumps": counts.clock_jumps, "connected": counts.connected,
     })
 }

@@ -13,6 +13,11 @@ use tectum_scene::camera::Pose;
 /// From line to line of scales, degrees, where nothing else is said.
 const USUAL_STEP_DEG: f64 = 30.0;
 
+/// A time this close to a row's, as a share of the step to the next, is that row's.
+const SAME_SHARE: f64 = 1e-3;
+/// A single row reaches at least this far, s.
+const MIN_REACH_S: f64 = 1e-3;
+
 /// What is drawn on each frame.
 pub enum LiveScales<'t> {
     /// The same lines always.
@@ -23,8 +28,8 @@ pub enum LiveScales<'t> {
         map: OutputMap,
         /// From line to line, degrees.
         step_deg: f64,
-        /// World <- body, by frame.
-        attitudes: Vec<Rotation3<f64>>,
+        /// World <- body over time.
+        attitudes: Attitudes,
     },
 }
 
@@ -62,28 +67,14 @@ impl<'t> LiveScales<'t> {
         Ok(Self::Body(Overlay::parse(bytes, map.size_px)?))
     }
 
-    /// Scales of the world for a body that is turned as `file` says, frame by frame.
+    /// Scales of the world for a body that is turned as `file` says, by the time since the first
+    /// frame.
     pub fn of_world(
         tables: &Tables<'_>,
         step_deg: Option<f64>,
         file: &Path,
     ) -> anyhow::Result<Self> {
-        let name = || file.display().to_string();
-        let mut rows = csv::Reader::from_path(file).with_context(name)?;
-        let mut attitudes = Vec::new();
-        for row in rows.deserialize() {
-            let row: Attitude = row.with_context(name)?;
-            if row.frame as usize != attitudes.len() {
-                bail!(
-                    "{}: frame {} stands where frame {} should: needed is a row for every frame, \
-                     from 0",
-                    file.display(),
-                    row.frame,
-                    attitudes.len()
-                );
-            }
-            attitudes.push(row.world_from_body());
-        }
+        let attitudes = Attitudes::read(file)?;
         Ok(Self::World {
             map: output_map(tables),
             step_deg: step_deg.unwrap_or(USUAL_STEP_DEG),
@@ -91,8 +82,8 @@ impl<'t> LiveScales<'t> {
         })
     }
 
-    /// Draws on a frame, rows tightly packed.
-    pub fn draw(&self, frame: u32, format: Format, picture: &mut [u8]) -> anyhow::Result<()> {
+    /// Draws on a frame taken `time_s` after the first, rows tightly packed.
+    pub fn draw(&self, time_s: f64, format: Format, picture: &mut [u8]) -> anyhow::Result<()> {
         match self {
             Self::Body(overlay) => draw_overlay(overlay, format, picture)?,
             Self::World {
@@ -100,9 +91,7 @@ impl<'t> LiveScales<'t> {
                 step_deg,
                 attitudes,
             } => {
-                let Some(world_from_body) = attitudes.get(frame as usize) else {
-                    bail!("the attitude file has no row for frame {frame}");
-                };
+                let world_from_body = attitudes.at(time_s)?;
                 let turned = OutputMap {
                     rotation: world_from_body * map.rotation,
                     ..*map
@@ -111,6 +100,70 @@ impl<'t> LiveScales<'t> {
             }
         }
         Ok(())
+    }
+}
+
+/// How a body turns over time.
+pub struct Attitudes {
+    /// Time since the first frame, s, and world <- body.
+    rows: Vec<(f64, Rotation3<f64>)>,
+}
+
+impl Attitudes {
+    fn read(file: &Path) -> anyhow::Result<Self> {
+        let name = || file.display().to_string();
+        let mut reader = csv::Reader::from_path(file).with_context(name)?;
+        let mut rows: Vec<(f64, Rotation3<f64>)> = Vec::new();
+        for row in reader.deserialize() {
+            let row: Attitude = row.with_context(name)?;
+            let is_number = [row.time_s, row.yaw_deg, row.pitch_deg, row.roll_deg]
+                .iter()
+                .all(|value| value.is_finite());
+            let is_later = rows.last().is_none_or(|(before, _)| row.time_s > *before);
+            if !is_number || !is_later {
+                bail!(
+                    "{}: row of frame {}: needed are numbers, and times that increase",
+                    name(),
+                    row.frame
+                );
+            }
+            rows.push((row.time_s, row.world_from_body()));
+        }
+        if rows.is_empty() {
+            bail!("{}: no rows", name());
+        }
+        Ok(Self { rows })
+    }
+
+    /// The attitude at a time: between two rows, in proportion; up to the distance of two rows
+    /// before the first and after the last, theirs.
+    fn at(&self, time_s: f64) -> anyhow::Result<Rotation3<f64>> {
+        let after = self.rows.partition_point(|(time, _)| *time < time_s);
+        let before = after.checked_sub(1).and_then(|i| self.rows.get(i));
+        match (before, self.rows.get(after)) {
+            (Some((t0, r0)), Some((t1, r1))) => {
+                let share = (time_s - t0) / (t1 - t0);
+                // Times in recordings are whole nanoseconds, those of rows are rounded.
+                if share < SAME_SHARE {
+                    Ok(*r0)
+                } else if share > 1.0 - SAME_SHARE {
+                    Ok(*r1)
+                } else {
+                    Ok(r0.slerp(r1, share))
+                }
+            }
+            (Some((t, r)), None) | (None, Some((t, r)))
+                if (time_s - t).abs() <= self.longest_step_s() =>
+            {
+                Ok(*r)
+            }
+            _ => bail!("the attitude file has no row for {time_s:.3} s after the first frame"),
+        }
+    }
+
+    fn longest_step_s(&self) -> f64 {
+        let steps = self.rows.windows(2).map(|two| two[1].0 - two[0].0);
+        steps.fold(MIN_REACH_S, f64::max)
     }
 }
 

@@ -59,7 +59,7 @@ pub fn run(
         stitcher.output_size_px(),
     );
     let mut undecodable = 0_u64;
-    let done = feed.for_each(&stop, |shot, statistics| {
+    let mut done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         let &[Some(left), Some(right)] = shot else {
             bail!("live stitching needs both eyes");
@@ -69,7 +69,9 @@ pub fn run(
             return Ok(ControlFlow::Continue(()));
         };
         if let Some(scales) = &scales {
-            scales.draw(left.sequence, out_format.layout.core_format(), stitched)?;
+            let since = statistics.first_left_ns.unwrap_or(left.time_ns);
+            let time_s = left.time_ns.wrapping_sub(since) as f64 / 1e9;
+            scales.draw(time_s, out_format.layout.core_format(), stitched)?;
         }
         let stitched = &*stitched;
         if let Some(recorder) = &mut recorder {
@@ -82,10 +84,19 @@ pub fn run(
         watch.shot(shot, Some((stitched, out_format)), begun, statistics, None);
         Ok(limits.flow(watch.shots(), watch.start()))
     });
+    if let Some(recorder) = &mut recorder
+        && let Err(error) = recorder.finish()
+        && done.is_ok()
+    {
+        done = Err(error.into());
+    }
     if let Err(error) = done
         && !is_closed_pipe(&error)
     {
         return Err(error).with_context(|| format!("after {} frames", watch.shots()));
+    }
+    if undecodable == 0 || watch.shots() > 0 {
+        watch.end(feed)?;
     }
     let mut text = watch.text();
     let mut json = watch.json();
