@@ -1,11 +1,10 @@
 //! What a recording was made with, beside it.
 
-use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use crate::{CaptureError, FrameFormat, monotonic_ns};
+use crate::{FrameFormat, monotonic_ns};
 
 /// Describes a recording that begins now: its clock against the time of day, its rate (frames, in
 /// seconds) and both eyes with name, format and what else is known.
@@ -33,18 +32,4 @@ pub fn describe_recording(rate: [u32; 2], eyes: [Option<(&str, FrameFormat, Valu
         "left": eye(left),
         "right": eye(right),
     })
-}
-
-/// Writes a description to a file, under another name first.
-///
-/// # Errors
-/// [`CaptureError`] if the folder cannot be made or the file not be written.
-pub fn write_description(path: &Path, description: &Value) -> Result<(), CaptureError> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|e| CaptureError::io(folder, e))?;
-    }
-    let unfinished = path.with_extension("json.part");
-    std::fs::write(&unfinished, format!("{description:#}\n"))
-        .and_then(|()| std::fs::rename(&unfinished, path))
-        .map_err(|e| CaptureError::io(path, e))
 }

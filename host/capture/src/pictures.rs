@@ -6,7 +6,7 @@ use std::sync::Arc;
 use image::ImageReader;
 
 use crate::source::{Frame, FrameSource, Next};
-use crate::{CaptureError, FrameFormat, Health, Layout};
+use crate::{CaptureError, FrameFormat, Health, Layout, check_jpeg};
 
 /// The picture files of a folder in the order of their names, hidden ones left out, or one picture:
 /// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt.
@@ -99,23 +99,32 @@ fn paired_times([left, right]: [usize; 2], pairs: &[[usize; 2]]) -> [Vec<i64>; 2
     [of_left, of_right]
 }
 
+/// Such as `._1.png`, which macOS writes beside pictures on other file systems.
+fn is_hidden(file: &Path) -> bool {
+    let name = file.file_name().unwrap_or_default();
+    name.as_encoded_bytes().starts_with(b".")
+}
+
 fn is_picture(file: &Path) -> bool {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
-    if name.starts_with('.') {
-        return false;
-    }
     let ending = file.extension().unwrap_or_default().to_string_lossy();
     let known = [
         "png", "jpg", "jpeg", "ppm", "pgm", "pnm", "bmp", "tif", "tiff",
     ];
-    known.contains(&&*ending.to_ascii_lowercase())
+    !is_hidden(file) && known.contains(&&*ending.to_ascii_lowercase())
 }
 
 fn decode(path: &Path) -> Result<image::RgbImage, CaptureError> {
-    let reader = ImageReader::open(path).map_err(|e| CaptureError::io(path, e))?;
-    let reader = reader
+    let bytes = std::fs::read(path).map_err(|e| CaptureError::io(path, e))?;
+    let reader = ImageReader::new(std::io::Cursor::new(&bytes))
         .with_guessed_format()
         .map_err(|e| CaptureError::io(path, e))?;
+    if reader.format() == Some(image::ImageFormat::Jpeg) {
+        // Decoders show what is missing as plain grey.
+        check_jpeg(&bytes).map_err(|damage| CaptureError::File {
+            path: path.to_owned(),
+            why: format!("not a sound JPEG picture: {damage}"),
+        })?;
+    }
     match reader.decode() {
         Ok(picture) => Ok(picture.into_rgb8()),
         Err(error) => Err(CaptureError::File {

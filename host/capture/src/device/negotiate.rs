@@ -278,7 +278,7 @@ pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError>
                     Layout::Mjpeg => 0,
                     _ => packed.stride_bytes.max(row_bytes),
                 },
-                full_range: is_full_range(&set),
+                full_range: is_full_range(&set, layout),
                 ..packed
             },
             planes: set.planes,
@@ -302,12 +302,14 @@ fn known_layouts() -> String {
     Layout::ALL.map(Layout::fourcc).join(", ")
 }
 
-/// What the driver says of its range; where it says nothing, Video4Linux has a rule for each kind.
-fn is_full_range(format: &PictureFormat) -> bool {
+/// What the driver says of its range. Where it says nothing, Video4Linux has a rule for luma with
+/// chroma; brightness alone comes straight from the sensor (and from the kernel's own vivid) in full
+/// range.
+fn is_full_range(format: &PictureFormat, layout: Layout) -> bool {
     match format.quantization {
         QUANTIZATION_FULL => true,
         QUANTIZATION_LIMITED => false,
-        _ => format.colorspace == COLORSPACE_JPEG,
+        _ => layout == Layout::Grey || format.colorspace == COLORSPACE_JPEG,
     }
 }
 

@@ -40,18 +40,22 @@ impl Feed {
         }
     }
 
+    /// Whether times of its frames mean anything; else they count the frames.
+    pub fn has_time(&self) -> bool {
+        let period_ns = match self {
+            Self::One(source, _) | Self::SideBySide(source, ..) => source.period_ns(),
+            Self::Two(pairs) => pairs.period_ns(),
+        };
+        self.is_live() || period_ns.is_some()
+    }
+
     /// Frames, in seconds.
     pub fn rate(&self) -> [u32; 2] {
         let period_ns = match self {
             Self::One(source, _) | Self::SideBySide(source, ..) => source.period_ns(),
             Self::Two(pairs) => pairs.period_ns(),
         };
-        let hz = 1e9 / period_ns.unwrap_or(33_333_333) as f64;
-        if (hz - hz.round()).abs() < 1e-3 * hz {
-            [hz.round().max(1.0) as u32, 1]
-        } else {
-            [(hz * 1001.0).round().max(1.0) as u32, 1001]
-        }
+        tectum_capture::rate_of(period_ns.unwrap_or(33_333_333))
     }
 
     /// Name and counters of each eye.

@@ -17,6 +17,13 @@ const USUAL_STEP_DEG: f64 = 30.0;
 const SAME_SHARE: f64 = 1e-3;
 /// A single row reaches at least this far, s.
 const MIN_REACH_S: f64 = 1e-3;
+/// Turns closer to half a turn than this, rad, have no shortest way.
+const NO_WAY_RAD: f64 = 1e-6;
+
+/// Greatest time, position and angle of an attitude file; angles may count turns.
+const MAX_TIME_S: f64 = 1e9;
+const MAX_POSITION_M: f64 = 1e6;
+const MAX_ANGLE_DEG: f64 = 36_000.0;
 
 /// What is drawn on each frame.
 pub enum LiveScales<'t> {
@@ -82,6 +89,20 @@ impl<'t> LiveScales<'t> {
         })
     }
 
+    /// The time of a frame of a source for which time plays no part, s: that of its row.
+    pub fn time_of_frame_s(&self, frame: i64) -> anyhow::Result<f64> {
+        match self {
+            Self::Body(_) => Ok(0.0),
+            Self::World { attitudes, .. } => {
+                let mut rows = attitudes.rows.iter();
+                match rows.find(|row| i64::from(row.frame) == frame) {
+                    Some(row) => Ok(row.time_s),
+                    None => bail!("the attitude file has no row for frame {frame}"),
+                }
+            }
+        }
+    }
+
     /// Draws on a frame taken `time_s` after the first, rows tightly packed.
     pub fn draw(&self, time_s: f64, format: Format, picture: &mut [u8]) -> anyhow::Result<()> {
         match self {
@@ -105,29 +126,40 @@ impl<'t> LiveScales<'t> {
 
 /// How a body turns over time.
 pub struct Attitudes {
-    /// Time since the first frame, s, and world <- body.
-    rows: Vec<(f64, Rotation3<f64>)>,
+    rows: Vec<Row>,
+}
+
+/// How a body is turned at a moment.
+struct Row {
+    /// Frame, as the file counts.
+    frame: u32,
+    /// Since the first frame, s.
+    time_s: f64,
+    /// World <- body.
+    world_from_body: Rotation3<f64>,
 }
 
 impl Attitudes {
     fn read(file: &Path) -> anyhow::Result<Self> {
         let name = || file.display().to_string();
         let mut reader = csv::Reader::from_path(file).with_context(name)?;
-        let mut rows: Vec<(f64, Rotation3<f64>)> = Vec::new();
+        let mut rows: Vec<Row> = Vec::new();
         for row in reader.deserialize() {
             let row: Attitude = row.with_context(name)?;
-            let is_number = [row.time_s, row.yaw_deg, row.pitch_deg, row.roll_deg]
-                .iter()
-                .all(|value| value.is_finite());
-            let is_later = rows.last().is_none_or(|(before, _)| row.time_s > *before);
-            if !is_number || !is_later {
+            let is_later = rows.last().is_none_or(|before| row.time_s > before.time_s);
+            if !row.time_s.is_finite() || !is_later {
                 bail!(
                     "{}: row of frame {}: needed are numbers, and times that increase",
                     name(),
                     row.frame
                 );
             }
-            rows.push((row.time_s, row.world_from_body()));
+            row.check().with_context(name)?;
+            rows.push(Row {
+                frame: row.frame,
+                time_s: row.time_s,
+                world_from_body: row.world_from_body(),
+            });
         }
         if rows.is_empty() {
             bail!("{}: no rows", name());
@@ -138,36 +170,55 @@ impl Attitudes {
     /// The attitude at a time: between two rows, in proportion; up to the distance of two rows
     /// before the first and after the last, theirs.
     fn at(&self, time_s: f64) -> anyhow::Result<Rotation3<f64>> {
-        let after = self.rows.partition_point(|(time, _)| *time < time_s);
+        let after = self.rows.partition_point(|row| row.time_s < time_s);
         let before = after.checked_sub(1).and_then(|i| self.rows.get(i));
         match (before, self.rows.get(after)) {
-            (Some((t0, r0)), Some((t1, r1))) => {
-                let share = (time_s - t0) / (t1 - t0);
+            (Some(before), Some(after)) => {
+                let share = (time_s - before.time_s) / (after.time_s - before.time_s);
+                let [from, to] = [before, after].map(|row| row.world_from_body);
+                let nearer = if share < 0.5 { from } else { to };
                 // Times in recordings are whole nanoseconds, those of rows are rounded.
-                if share < SAME_SHARE {
-                    Ok(*r0)
-                } else if share > 1.0 - SAME_SHARE {
-                    Ok(*r1)
-                } else {
-                    Ok(r0.slerp(r1, share))
+                if share.min(1.0 - share) < SAME_SHARE {
+                    return Ok(nearer);
                 }
+                Ok(from.try_slerp(&to, share, NO_WAY_RAD).unwrap_or(nearer))
             }
-            (Some((t, r)), None) | (None, Some((t, r)))
-                if (time_s - t).abs() <= self.longest_step_s() =>
+            (Some(row), None) | (None, Some(row))
+                if (time_s - row.time_s).abs() <= self.longest_step_s() =>
             {
-                Ok(*r)
+                Ok(row.world_from_body)
             }
             _ => bail!("the attitude file has no row for {time_s:.3} s after the first frame"),
         }
     }
 
     fn longest_step_s(&self) -> f64 {
-        let steps = self.rows.windows(2).map(|two| two[1].0 - two[0].0);
+        let steps = self.rows.windows(2);
+        let steps = steps.map(|two| two[1].time_s - two[0].time_s);
         steps.fold(MIN_REACH_S, f64::max)
     }
 }
 
 impl Attitude {
+    /// Refuses numbers that are none, or that no body has.
+    fn check(&self) -> anyhow::Result<()> {
+        let (metres, degrees) = (
+            [self.x_m, self.y_m, self.z_m],
+            [self.yaw_deg, self.pitch_deg, self.roll_deg],
+        );
+        let is_sound = self.time_s.abs() <= MAX_TIME_S
+            && metres.iter().all(|m| m.abs() <= MAX_POSITION_M)
+            && degrees.iter().all(|deg| deg.abs() <= MAX_ANGLE_DEG);
+        if !is_sound {
+            bail!(
+                "frame {}: needed are finite numbers, angles of at most {MAX_ANGLE_DEG} degrees, \
+                 positions of at most {MAX_POSITION_M} m",
+                self.frame
+            );
+        }
+        Ok(())
+    }
+
     fn world_from_body(&self) -> Rotation3<f64> {
         let pose = Pose {
             yaw_deg: self.yaw_deg,

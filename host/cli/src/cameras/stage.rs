@@ -6,8 +6,6 @@ use std::time::{Duration, Instant};
 
 use tectum_capture::Stop;
 
-use crate::args::duration;
-
 /// When to end; without either, at the end of the source or by Ctrl-C.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct Limits {
@@ -15,7 +13,7 @@ pub struct Limits {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
     /// End after this long, s
-    #[arg(long, value_name = "S", value_parser = duration)]
+    #[arg(long, value_name = "S", value_parser = crate::args::seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
 }
 

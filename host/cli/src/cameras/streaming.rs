@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use serde_json::json;
-use tectum_capture::{CaptureError, Frame, FrameFormat, LiveStitcher, Pair, Recorder};
+use tectum_capture::{CaptureError, Frame, LiveStitcher, Pair, Recorder};
 use tectum_core::{Eye, Sampler, Tables};
 
 use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt};
 use crate::files;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 
 /// A table that lives as long as the program: the preview's thread answers from it.
 pub fn keep(bytes: Vec<u8>, path: &Path) -> anyhow::Result<&'static Tables<'static>> {
@@ -40,6 +40,7 @@ pub fn run(
 ) -> anyhow::Result<Report> {
     let needed = source_size_px(tables)?;
     let given = feed.format();
+    let has_time = feed.has_time();
     if given.size_px != needed {
         bail!(
             "the eyes give {given}, the table needs {}x{} px: give --frame-size, or bake a table \
@@ -54,10 +55,7 @@ pub fn run(
         .map(|address| showing::serve(address, feed, Some(tables)));
     let mut watch = Watch::new(feed, preview.transpose()?);
     let mut stitcher = LiveStitcher::new(tables, sampler);
-    let out_format = FrameFormat::packed(
-        LiveStitcher::output_layout(given.layout),
-        stitcher.output_size_px(),
-    );
+    let out_format = stitcher.output_format(given);
     let mut undecodable = 0_u64;
     let mut done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
@@ -70,7 +68,12 @@ pub fn run(
         };
         if let Some(scales) = &scales {
             let since = statistics.first_left_ns.unwrap_or(left.time_ns);
-            let time_s = left.time_ns.wrapping_sub(since) as f64 / 1e9;
+            let since_ns = left.time_ns.wrapping_sub(since);
+            let time_s = if has_time {
+                since_ns as f64 / 1e9
+            } else {
+                scales.time_of_frame_s(since_ns)?
+            };
             scales.draw(time_s, out_format.layout.core_format(), stitched)?;
         }
         let stitched = &*stitched;
@@ -95,9 +98,10 @@ pub fn run(
     {
         return Err(error).with_context(|| format!("after {} frames", watch.shots()));
     }
-    if undecodable == 0 || watch.shots() > 0 {
-        watch.end(feed)?;
+    if watch.shots() == 0 && undecodable > 0 {
+        bail!("no frame was stitched\n{}", watch.text());
     }
+    watch.end(feed)?;
     let mut text = watch.text();
     let mut json = watch.json();
     if undecodable > 0 {
@@ -106,7 +110,7 @@ pub fn run(
     json["undecodable"] = json!(undecodable);
     if let Some(recorder) = &recorder {
         text = format!("{}\n{text}", recorder.path().display());
-        json["video"] = json!(recorder.path());
+        json["video"] = path_json(recorder.path());
     }
     Ok(Report::new(text, json))
 }

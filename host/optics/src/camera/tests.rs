@@ -85,7 +85,7 @@ fn kannala_brandt() -> impl Strategy<Value = Lens> {
 fn ocam() -> impl Strategy<Value = Lens> {
     let shape = (-0.6..-0.3, -0.1..0.3, -0.25..-0.05);
     let affine = (0.95..1.05, -0.05..0.05, -0.05..0.05);
-    // Scale-free; the greatest stretch that is allowed is 0.25.
+    // Scale-free; the greatest stretch that is allowed is 0.6.
     let decentring = prop::array::uniform2(-8e-3..8e-3);
     (100.0..900.0, shape, centre(), affine, 0.5..3.5, decentring).prop_map(
         |(a0, (s2, s3, s4), centre, (c, d, e), reach, t): (f64, _, _, _, _, [f64; 2])| {

@@ -187,22 +187,22 @@ mod tests {
         }
     }
 
-    /// Where both eyes see points at a range: a board's row of 9 corners 30 mm apart, the middle one
-    /// a little beside the seam.
+    /// Where both eyes see points at a range: those of a board's row of 9 corners 30 mm apart that
+    /// both see, the middle one a little beside the seam.
     fn row(rig: &Rig, range_m: f64) -> Vec<Correspondence> {
         let pixel = |eye: &RigEye, point: &Vector3<f64>| {
             let ray = eye.pose.rotation.inverse() * (point - eye.pose.position_m);
-            eye.eye.project(&ray).unwrap()
+            eye.eye.project(&ray).ok()
         };
         let [left, right] = [&rig.left, &rig.right].map(|eye| eye.as_ref().unwrap());
         (-4..=4)
-            .map(|k| {
+            .filter_map(|k| {
                 let point = Vector3::new(range_m, 0.03 * f64::from(k) + 0.002, 0.0);
-                Correspondence {
+                Some(Correspondence {
                     shot: 0,
-                    left_px: pixel(left, &point),
-                    right_px: pixel(right, &point),
-                }
+                    left_px: pixel(left, &point)?,
+                    right_px: pixel(right, &point)?,
+                })
             })
             .collect()
     }

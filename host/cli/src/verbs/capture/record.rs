@@ -4,12 +4,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Context;
-use serde_json::{Value, json};
-use tectum_capture::{Recorder, VideoKind, describe_recording, write_description};
+use serde_json::Value;
+use tectum_capture::{Recorder, VideoKind, describe_recording};
 
 use super::Args;
 use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
-use crate::report::Report;
+use crate::files;
+use crate::report::{Report, path_json};
 
 /// Records `left` and `right` in `folder`, in pairs: frame n of both were taken together.
 pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyhow::Result<Report> {
@@ -20,7 +21,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
     };
     let [left, right] = feed.eyes().map(|eye| eye.is_some());
     let mut recorders = [create((left, "left"))?, create((right, "right"))?];
-    let description = describe(feed, rate);
+    let description = format!("{:#}\n", describe(feed, rate));
     let stop = stop_on_interrupt(&args.limits)?;
     let view = args.view.view;
     let preview = view.map(|address| showing::serve(address, feed, None));
@@ -34,7 +35,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
             }
         }
         if watch.shots() == 0 {
-            write_description(&about, &description)?;
+            files::write(&about, description.as_bytes())?;
         }
         watch.shot(shot, None, begun, statistics, None);
         Ok(args.limits.flow(watch.shots(), watch.start()))
@@ -46,7 +47,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
     done.with_context(|| format!("after {} frames", watch.shots()))?;
     watch.end(feed)?;
     let mut json = watch.json();
-    json["description"] = json!(about);
+    json["description"] = path_json(&about);
     let mut text = String::new();
     for (recorder, name) in recorders.iter().zip(["left", "right"]) {
         if let Some(recorder) = recorder {
@@ -56,7 +57,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
                 recorder.frames(),
                 recorder.bytes() as f64 / 1e6
             );
-            json["videos"][name] = json!(recorder.path());
+            json["videos"][name] = path_json(recorder.path());
         }
     }
     Ok(Report::new(text + &watch.text(), json))
