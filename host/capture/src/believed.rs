@@ -14,6 +14,8 @@ pub(crate) struct Believed {
     source: Box<dyn FrameSource>,
     has_time: bool,
     has_ended: bool,
+    /// Times that the source was seen to come back.
+    reconnects: u64,
     stamps: Stamps,
 }
 
@@ -41,11 +43,14 @@ struct Owned {
     format: FrameFormat,
     stamp: Stamp,
     superseded: bool,
+    /// The first after the source was away: its number does not follow from those before.
+    is_back: bool,
 }
 
 impl Owned {
-    fn new(frame: &Frame<'_>) -> Self {
+    fn new(frame: &Frame<'_>, is_back: bool) -> Self {
         Self {
+            is_back,
             data: frame.data.to_vec(),
             format: frame.format,
             stamp: stamp(frame),
@@ -77,6 +82,7 @@ impl Believed {
         Self {
             has_time: nominal_ns.is_some() || source.is_live(),
             has_ended: false,
+            reconnects: 0,
             stamps: Stamps {
                 before: None,
                 believed: 0,
@@ -137,11 +143,14 @@ impl Believed {
         };
         frame.time_ns = frame.time_ns.wrapping_add(stamps.shift_ns);
         let now = stamp(&frame);
-        if stamps.doubtful.is_none() && stamps.is_plausible(now) {
+        let reconnects = stamps.health.counts().reconnects;
+        let is_back = reconnects != self.reconnects;
+        self.reconnects = reconnects;
+        if stamps.doubtful.is_none() && !is_back && stamps.is_plausible(now) {
             stamps.believe(now);
             return Ok(Next::Frame(frame));
         }
-        let owned = Owned::new(&frame);
+        let owned = Owned::new(&frame, is_back);
         Ok(match stamps.doubtful.take() {
             Some(doubtful) => stamps.settle(doubtful, Some(owned)),
             None => stamps.look_at(owned),
@@ -157,6 +166,12 @@ impl Stamps {
 
     /// Serves a frame whose stamp is plausible; holds another back.
     fn look_at(&mut self, frame: Owned) -> Next<'_> {
+        if frame.is_back
+            && let Some(before) = &mut self.before
+        {
+            // Equal numbers say that the source began to count again.
+            before.sequence = frame.stamp.sequence;
+        }
         if self.is_plausible(frame.stamp) {
             return self.serve(frame);
         }
@@ -228,5 +243,82 @@ impl Stamps {
         }
         self.before = Some(now);
         self.believed += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Layout;
+
+    /// Gives frames with these stamps; before some it was away.
+    struct Scripted {
+        frames: std::vec::IntoIter<(Stamp, bool)>,
+        health: Arc<Health>,
+    }
+
+    impl FrameSource for Scripted {
+        fn name(&self) -> &str {
+            "scripted"
+        }
+
+        fn format(&self) -> FrameFormat {
+            FrameFormat::packed(Layout::Grey, [1, 1])
+        }
+
+        fn period_ns(&self) -> Option<u64> {
+            Some(40_000_000)
+        }
+
+        fn next(&mut self) -> Result<Next<'_>, CaptureError> {
+            let Some((stamp, was_away)) = self.frames.next() else {
+                return Ok(Next::End);
+            };
+            if was_away {
+                self.health.set_connected(false);
+                self.health.set_connected(true);
+            }
+            Ok(Next::Frame(Frame {
+                data: &[0],
+                format: self.format(),
+                time_ns: stamp.time_ns,
+                sequence: stamp.sequence,
+                superseded: false,
+            }))
+        }
+
+        fn health(&self) -> Arc<Health> {
+            self.health.clone()
+        }
+    }
+
+    #[test]
+    fn a_camera_that_was_away_is_believed_whatever_number_it_begins_with() {
+        // The last of before, and the first after: its first few may have been damaged.
+        for (last, first) in [(6, 0), (6, 1), (3, 4), (3, 10), (2, 2)] {
+            let frame = |time_ms: i64, sequence, was_away| {
+                let time_ns = time_ms * 1_000_000;
+                (Stamp { time_ns, sequence }, was_away)
+            };
+            let before = (0..=last).map(|i| frame(40 * i64::from(i), i, false));
+            let after = (0..5).map(|i| frame(12_000 + 40 * i64::from(i), first + i, i == 0));
+            let all: Vec<_> = before.chain(after).collect();
+            let wanted: Vec<Stamp> = all.iter().map(|(stamp, _)| *stamp).collect();
+            let mut source = Believed::new(Box::new(Scripted {
+                frames: all.into_iter(),
+                health: Arc::default(),
+            }));
+            let mut seen = Vec::new();
+            loop {
+                match source.next().unwrap() {
+                    Next::Frame(frame) => seen.push(stamp(&frame)),
+                    Next::Nothing => {}
+                    Next::End => break,
+                }
+            }
+            assert_eq!(seen, wanted, "{last} {first}");
+            let counts = source.source().health().counts();
+            assert_eq!([counts.misstamped, counts.clock_jumps], [0, 0]);
+        }
     }
 }

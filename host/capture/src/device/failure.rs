@@ -42,6 +42,11 @@ pub(super) fn of(path: &Path, doing: &'static str, error: io::Error) -> CaptureE
     }
 }
 
+/// Whether the driver does not know what it was asked for.
+pub(super) fn is_unknown_request(error: &io::Error) -> bool {
+    error.raw_os_error() == Some(ENOTTY)
+}
+
 /// The device at `path` is something else.
 pub(super) fn not_capture(path: &Path, why: &str) -> CaptureError {
     CaptureError::NotCapture {

@@ -147,10 +147,12 @@ impl Opened {
         if !offers_rate(&self.rates_hz(code, size_px), hz) {
             return Ok(None);
         }
-        let period_ns = self
-            .driver
-            .set_rate(hz)
-            .map_err(|e| failure::of(path, "setting its frame rate", e))?;
+        let period_ns = match self.driver.set_rate(hz) {
+            Ok(period_ns) => period_ns,
+            // Devices behind a processor's own image pipeline often cannot be asked for a rate.
+            Err(error) if failure::is_unknown_request(&error) => None,
+            Err(error) => return Err(failure::of(path, "setting its frame rate", error)),
+        };
         let is_close = period_ns.is_some_and(|ns| is_close(1e9 / ns as f64, hz));
         Ok(is_close.then_some((set, period_ns)))
     }

@@ -5,12 +5,68 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use tectum_capture::{
-    Counts, Frame, FrameFormat, FrameSource, Health, Next, Pair, PairStatistics, Pairs, Stop,
-    halves,
+    CaptureError, Counts, Frame, FrameFormat, FrameSource, Health, Late, Next, Pair,
+    PairStatistics, Pairs, Stop, half_format, halves,
 };
 
 /// What the eyes give at one moment.
 pub type Shot<'a> = [Option<Frame<'a>>; 2];
+
+/// One source that gives both eyes in one picture, side by side.
+pub struct SideBySide {
+    source: Box<dyn FrameSource>,
+    half: FrameFormat,
+    late: Late,
+    statistics: PairStatistics,
+}
+
+impl SideBySide {
+    /// Halves of the pictures of `source`; `late` says what becomes of those that newer ones wait
+    /// behind.
+    ///
+    /// # Errors
+    /// [`CaptureError::NotOffered`] if its pictures cannot be halved.
+    pub fn new(source: Box<dyn FrameSource>, late: Late) -> Result<Self, CaptureError> {
+        Ok(Self {
+            half: half_format(source.name(), source.format())?,
+            source,
+            late,
+            statistics: PairStatistics::default(),
+        })
+    }
+
+    fn for_each(
+        &mut self,
+        stop: &Stop,
+        mut use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> anyhow::Result<ControlFlow<()>>,
+    ) -> anyhow::Result<()> {
+        let health = self.source.health();
+        let statistics = &mut self.statistics;
+        let mut scratch = Vec::new();
+        while !stop.is_set() {
+            let frame = match self.source.next()? {
+                Next::Frame(frame) => frame,
+                Next::Nothing => continue,
+                Next::End => break,
+            };
+            statistics.first_left_ns.get_or_insert(frame.time_ns);
+            if self.late == Late::NewestWins && frame.superseded {
+                statistics.late += 1;
+                continue;
+            }
+            let Ok([left, right]) = halves(&frame, self.half, &mut scratch) else {
+                health.corrupt();
+                continue;
+            };
+            statistics.pairs += 1;
+            statistics.drift.add(left.time_ns, right.time_ns);
+            if use_shot(&[Some(left), Some(right)], statistics)?.is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
 
 /// One eye, or both.
 pub enum Feed {
@@ -18,8 +74,8 @@ pub enum Feed {
     One(Box<dyn FrameSource>, bool),
     /// Both.
     Two(Pairs),
-    /// One source of both eyes side by side, and the format of a half.
-    SideBySide(Box<dyn FrameSource>, FrameFormat, PairStatistics),
+    /// One source of both eyes.
+    SideBySide(SideBySide),
 }
 
 impl Feed {
@@ -28,34 +84,35 @@ impl Feed {
         match self {
             Self::One(source, _) => source.format(),
             Self::Two(pairs) => pairs.format(),
-            Self::SideBySide(_, half, _) => *half,
+            Self::SideBySide(both) => both.half,
         }
     }
 
     /// Whether frames come when they come.
     pub fn is_live(&self) -> bool {
         match self {
-            Self::One(source, _) | Self::SideBySide(source, ..) => source.is_live(),
+            Self::One(source, _) => source.is_live(),
+            Self::SideBySide(both) => both.source.is_live(),
             Self::Two(pairs) => pairs.is_live(),
         }
     }
 
     /// Whether times of its frames mean anything; else they count the frames.
     pub fn has_time(&self) -> bool {
-        let period_ns = match self {
-            Self::One(source, _) | Self::SideBySide(source, ..) => source.period_ns(),
+        self.is_live() || self.period_ns().is_some()
+    }
+
+    fn period_ns(&self) -> Option<u64> {
+        match self {
+            Self::One(source, _) => source.period_ns(),
             Self::Two(pairs) => pairs.period_ns(),
-        };
-        self.is_live() || period_ns.is_some()
+            Self::SideBySide(both) => both.source.period_ns(),
+        }
     }
 
     /// Frames, in seconds.
     pub fn rate(&self) -> [u32; 2] {
-        let period_ns = match self {
-            Self::One(source, _) | Self::SideBySide(source, ..) => source.period_ns(),
-            Self::Two(pairs) => pairs.period_ns(),
-        };
-        tectum_capture::rate_of(period_ns.unwrap_or(33_333_333))
+        tectum_capture::rate_of(self.period_ns().unwrap_or(33_333_333))
     }
 
     /// Name and counters of each eye.
@@ -70,7 +127,7 @@ impl Feed {
                 let [of_left, of_right] = pairs.health();
                 [Some((left, of_left)), Some((right, of_right))]
             }
-            Self::SideBySide(source, ..) => ["left", "right"]
+            Self::SideBySide(SideBySide { source, .. }) => ["left", "right"]
                 .map(|half| Some((format!("{}, {half} half", source.name()), source.health()))),
         }
     }
@@ -81,7 +138,7 @@ impl Feed {
             Self::One(source, true) => [Value::Null, source.facts()],
             Self::One(source, false) => [source.facts(), Value::Null],
             Self::Two(pairs) => pairs.facts(),
-            Self::SideBySide(source, ..) => [source.facts(), source.facts()],
+            Self::SideBySide(both) => [both.source.facts(), both.source.facts()],
         }
     }
 
@@ -90,7 +147,7 @@ impl Feed {
         match self {
             Self::One(..) => PairStatistics::default(),
             Self::Two(pairs) => pairs.statistics(),
-            Self::SideBySide(_, _, statistics) => *statistics,
+            Self::SideBySide(both) => both.statistics,
         }
     }
 
@@ -104,28 +161,7 @@ impl Feed {
             Self::Two(pairs) => pairs.for_each(stop, |Pair { left, right }, statistics| {
                 use_shot(&[Some(left), Some(right)], statistics)
             }),
-            Self::SideBySide(source, half, statistics) => {
-                let health = source.health();
-                let mut scratch = Vec::new();
-                while !stop.is_set() {
-                    let frame = match source.next()? {
-                        Next::Frame(frame) => frame,
-                        Next::Nothing => continue,
-                        Next::End => break,
-                    };
-                    let Ok([left, right]) = halves(&frame, *half, &mut scratch) else {
-                        health.corrupt();
-                        continue;
-                    };
-                    statistics.pairs += 1;
-                    statistics.first_left_ns.get_or_insert(left.time_ns);
-                    statistics.drift.add(left.time_ns, right.time_ns);
-                    if use_shot(&[Some(left), Some(right)], statistics)?.is_break() {
-                        break;
-                    }
-                }
-                Ok(())
-            }
+            Self::SideBySide(both) => both.for_each(stop, use_shot),
             Self::One(source, is_right) => {
                 while !stop.is_set() {
                     let frame = match source.next()? {

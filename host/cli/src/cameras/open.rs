@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use tectum_calibrate::session::{list, pair_by_name};
 use tectum_capture::{
-    CaptureError, FrameSource, Late, Layout, Mjpeg, PairStatistics, Pairs, Pictures, VideoKind,
-    Y4m, half_format,
+    CaptureError, FrameSource, Late, Layout, Mjpeg, Pairs, Pictures, VideoKind, Y4m,
 };
 
+use super::feed::SideBySide;
 use super::{Feed, demo};
 use crate::args::Size;
 use crate::report::Usage;
@@ -89,8 +89,8 @@ pub fn open(
     if let Some(path) = &options.side_by_side {
         let whole_px = size_px.map(|[width, height]| [width.saturating_mul(2), height]);
         let source = one_locked(path, options, whole_px)?;
-        let half = half_format(source.name(), source.format())?;
-        return Ok(Feed::SideBySide(source, half, PairStatistics::default()));
+        let late = late(all, source.is_live());
+        return Ok(Feed::SideBySide(SideBySide::new(source, late)?));
     }
     let [left, right] = match (options.source, left, right) {
         (Some(SourceName::Demo), ..) => demo::eyes(options.rate)?.map(Some),
@@ -104,12 +104,11 @@ pub fn open(
     };
     match (left, right) {
         (Some(left), Some(right)) => {
-            let tolerance = options.tolerance_ms.map(|ms| (ms * 1e6).max(0.0) as u64);
-            let late = if all || !(left.is_live() || right.is_live()) {
-                Late::KeepAll
-            } else {
-                Late::NewestWins
-            };
+            let is_timed = [&left, &right].map(|eye| eye.is_live() || eye.period_ns().is_some());
+            // The times of pictures count them: those that belong together have the same.
+            let asked_ms = options.tolerance_ms.filter(|_| is_timed.contains(&true));
+            let tolerance = asked_ms.map(|ms| (ms * 1e6).max(0.0) as u64);
+            let late = late(all, left.is_live() || right.is_live());
             Ok(Feed::Two(Pairs::new(left, right, tolerance, late)?))
         }
         (Some(left), None) => Ok(Feed::One(left, false)),
@@ -120,6 +119,14 @@ pub fn open(
                 .into(),
         )
         .into()),
+    }
+}
+
+fn late(all: bool, is_live: bool) -> Late {
+    if all || !is_live {
+        Late::KeepAll
+    } else {
+        Late::NewestWins
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use serde_json::Value;
 use tectum_capture::{Recorder, VideoKind, describe_recording};
 
@@ -15,6 +15,13 @@ use crate::report::{Report, path_json};
 /// Records `left` and `right` in `folder`, in pairs: frame n of both were taken together.
 pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyhow::Result<Report> {
     let rate = feed.rate();
+    let about = folder.join("recording.json");
+    if about.exists() {
+        bail!(
+            "{}: exists already and is not overwritten: record to another folder",
+            about.display()
+        );
+    }
     let create = |(eye, name): (bool, &str)| {
         let path = folder.join(format!("{name}.{}", kind.ending()));
         eye.then(|| Recorder::create(&path, kind, rate)).transpose()
@@ -26,7 +33,6 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
     let view = args.view.view;
     let preview = view.map(|address| showing::serve(address, feed, None));
     let mut watch = Watch::new(feed, preview.transpose()?);
-    let about = folder.join("recording.json");
     let done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         for (recorder, frame) in recorders.iter_mut().zip(shot) {
