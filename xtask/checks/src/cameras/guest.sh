@@ -204,7 +204,7 @@ finish requeue 10
 least 'requeue: came back' "$(counts left reconnects requeue.json)" 1
 
 # While its other node is open the driver stays away: for ten seconds.
-stream away 20
+stream away 18
 sleep 10 <"$OUT_A" &
 holder=$!
 fault inject_vidioc_streamon_error=1
