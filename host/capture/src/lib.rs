@@ -7,8 +7,10 @@
 //! together by the time at which their frames were taken. [`preview`] shows what comes out in a
 //! browser.
 
+mod believed;
 mod clock;
 mod convert;
+mod description;
 #[cfg(feature = "v4l2")]
 pub mod device;
 mod disk;
@@ -27,13 +29,16 @@ mod rate;
 mod recorded;
 mod recorder;
 mod session;
+mod side_by_side;
 mod source;
 mod stamp;
 mod stop;
+mod writer;
 mod y4m_file;
 
-pub use clock::monotonic_ns;
+pub use clock::{Judgement, Period, Stamp, is_plausible, judge, monotonic_ns};
 pub use convert::{NotDecodable, to_core, to_rgb8};
+pub use description::describe_recording;
 pub use disk::{LEAST_FREE_BYTES, check_free};
 pub use error::CaptureError;
 pub use format::{FrameFormat, Layout, UnknownLayout};
@@ -48,6 +53,7 @@ pub use pictures::Pictures;
 pub use rate::rate_of;
 pub use recorder::{Recorder, VideoKind};
 pub use session::{Coverage, Session, Verdict};
+pub use side_by_side::{half_format, halves};
 pub use source::{Frame, FrameSource, Next};
 pub use stop::Stop;
 pub use y4m_file::Y4m;

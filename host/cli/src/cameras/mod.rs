@@ -3,6 +3,7 @@
 mod demo;
 mod feed;
 mod open;
+mod outages;
 mod scales;
 pub mod showing;
 mod stage;

@@ -13,6 +13,13 @@ use tectum_scene::camera::Pose;
 /// From line to line of scales, degrees, where nothing else is said.
 const USUAL_STEP_DEG: f64 = 30.0;
 
+/// A time this close to a row's, as a share of the step to the next, is that row's.
+const SAME_SHARE: f64 = 1e-3;
+/// A single row reaches at least this far, s.
+const MIN_REACH_S: f64 = 1e-3;
+/// Turns closer to half a turn than this, rad, have no shortest way.
+const NO_WAY_RAD: f64 = 1e-6;
+
 /// Greatest time, position and angle of an attitude file; angles may count turns.
 const MAX_TIME_S: f64 = 1e9;
 const MAX_POSITION_M: f64 = 1e6;
@@ -28,8 +35,8 @@ pub enum LiveScales<'t> {
         map: OutputMap,
         /// From line to line, degrees.
         step_deg: f64,
-        /// World <- body, by frame.
-        attitudes: Vec<Rotation3<f64>>,
+        /// World <- body over time.
+        attitudes: Attitudes,
     },
 }
 
@@ -67,29 +74,14 @@ impl<'t> LiveScales<'t> {
         Ok(Self::Body(Overlay::parse(bytes, map.size_px)?))
     }
 
-    /// Scales of the world for a body that is turned as `file` says, frame by frame.
+    /// Scales of the world for a body that is turned as `file` says, by the time since the first
+    /// frame.
     pub fn of_world(
         tables: &Tables<'_>,
         step_deg: Option<f64>,
         file: &Path,
     ) -> anyhow::Result<Self> {
-        let name = || file.display().to_string();
-        let mut rows = csv::Reader::from_path(file).with_context(name)?;
-        let mut attitudes = Vec::new();
-        for row in rows.deserialize() {
-            let row: Attitude = row.with_context(name)?;
-            if row.frame as usize != attitudes.len() {
-                bail!(
-                    "{}: frame {} stands where frame {} should: needed is a row for every frame, \
-                     from 0",
-                    file.display(),
-                    row.frame,
-                    attitudes.len()
-                );
-            }
-            row.check().with_context(name)?;
-            attitudes.push(row.world_from_body());
-        }
+        let attitudes = Attitudes::read(file)?;
         Ok(Self::World {
             map: output_map(tables),
             step_deg: step_deg.unwrap_or(USUAL_STEP_DEG),
@@ -97,8 +89,22 @@ impl<'t> LiveScales<'t> {
         })
     }
 
-    /// Draws on a frame, rows tightly packed.
-    pub fn draw(&self, frame: u32, format: Format, picture: &mut [u8]) -> anyhow::Result<()> {
+    /// The time of a frame of a source for which time plays no part, s: that of its row.
+    pub fn time_of_frame_s(&self, frame: i64) -> anyhow::Result<f64> {
+        match self {
+            Self::Body(_) => Ok(0.0),
+            Self::World { attitudes, .. } => {
+                let mut rows = attitudes.rows.iter();
+                match rows.find(|row| i64::from(row.frame) == frame) {
+                    Some(row) => Ok(row.time_s),
+                    None => bail!("the attitude file has no row for frame {frame}"),
+                }
+            }
+        }
+    }
+
+    /// Draws on a frame taken `time_s` after the first, rows tightly packed.
+    pub fn draw(&self, time_s: f64, format: Format, picture: &mut [u8]) -> anyhow::Result<()> {
         match self {
             Self::Body(overlay) => draw_overlay(overlay, format, picture)?,
             Self::World {
@@ -106,9 +112,7 @@ impl<'t> LiveScales<'t> {
                 step_deg,
                 attitudes,
             } => {
-                let Some(world_from_body) = attitudes.get(frame as usize) else {
-                    bail!("the attitude file has no row for frame {frame}");
-                };
+                let world_from_body = attitudes.at(time_s)?;
                 let turned = OutputMap {
                     rotation: world_from_body * map.rotation,
                     ..*map
@@ -117,6 +121,81 @@ impl<'t> LiveScales<'t> {
             }
         }
         Ok(())
+    }
+}
+
+/// How a body turns over time.
+pub struct Attitudes {
+    rows: Vec<Row>,
+}
+
+/// How a body is turned at a moment.
+struct Row {
+    /// Frame, as the file counts.
+    frame: u32,
+    /// Since the first frame, s.
+    time_s: f64,
+    /// World <- body.
+    world_from_body: Rotation3<f64>,
+}
+
+impl Attitudes {
+    fn read(file: &Path) -> anyhow::Result<Self> {
+        let name = || file.display().to_string();
+        let mut reader = csv::Reader::from_path(file).with_context(name)?;
+        let mut rows: Vec<Row> = Vec::new();
+        for row in reader.deserialize() {
+            let row: Attitude = row.with_context(name)?;
+            let is_later = rows.last().is_none_or(|before| row.time_s > before.time_s);
+            if !row.time_s.is_finite() || !is_later {
+                bail!(
+                    "{}: row of frame {}: needed are numbers, and times that increase",
+                    name(),
+                    row.frame
+                );
+            }
+            row.check().with_context(name)?;
+            rows.push(Row {
+                frame: row.frame,
+                time_s: row.time_s,
+                world_from_body: row.world_from_body(),
+            });
+        }
+        if rows.is_empty() {
+            bail!("{}: no rows", name());
+        }
+        Ok(Self { rows })
+    }
+
+    /// The attitude at a time: between two rows, in proportion; up to the distance of two rows
+    /// before the first and after the last, theirs.
+    fn at(&self, time_s: f64) -> anyhow::Result<Rotation3<f64>> {
+        let after = self.rows.partition_point(|row| row.time_s < time_s);
+        let before = after.checked_sub(1).and_then(|i| self.rows.get(i));
+        match (before, self.rows.get(after)) {
+            (Some(before), Some(after)) => {
+                let share = (time_s - before.time_s) / (after.time_s - before.time_s);
+                let [from, to] = [before, after].map(|row| row.world_from_body);
+                let nearer = if share < 0.5 { from } else { to };
+                // Times in recordings are whole nanoseconds, those of rows are rounded.
+                if share.min(1.0 - share) < SAME_SHARE {
+                    return Ok(nearer);
+                }
+                Ok(from.try_slerp(&to, share, NO_WAY_RAD).unwrap_or(nearer))
+            }
+            (Some(row), None) | (None, Some(row))
+                if (time_s - row.time_s).abs() <= self.longest_step_s() =>
+            {
+                Ok(row.world_from_body)
+            }
+            _ => bail!("the attitude file has no row for {time_s:.3} s after the first frame"),
+        }
+    }
+
+    fn longest_step_s(&self) -> f64 {
+        let steps = self.rows.windows(2);
+        let steps = steps.map(|two| two[1].time_s - two[0].time_s);
+        steps.fold(MIN_REACH_S, f64::max)
     }
 }
 

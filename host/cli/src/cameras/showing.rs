@@ -62,7 +62,7 @@ fn scales_png(tables: &'static Tables<'static>) -> anyhow::Result<Vec<u8>> {
     let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
     let on = |ground| -> anyhow::Result<RgbImage> {
         let mut picture = RgbImage::from_pixel(width, height, Rgb([ground; 3]));
-        scales.draw(0, Format::Rgb8, &mut picture)?;
+        scales.draw(0.0, Format::Rgb8, &mut picture)?;
         Ok(picture)
     };
     let [on_black, on_white] = [on(0)?, on(255)?];

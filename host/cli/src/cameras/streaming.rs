@@ -40,6 +40,7 @@ pub fn run(
 ) -> anyhow::Result<Report> {
     let needed = source_size_px(tables)?;
     let given = feed.format();
+    let has_time = feed.has_time();
     if given.size_px != needed {
         bail!(
             "the eyes give {given}, the table needs {}x{} px: give --frame-size, or bake a table \
@@ -56,7 +57,7 @@ pub fn run(
     let mut stitcher = LiveStitcher::new(tables, sampler);
     let out_format = stitcher.output_format(given);
     let mut undecodable = 0_u64;
-    let done = feed.for_each(&stop, |shot, statistics| {
+    let mut done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         let &[Some(left), Some(right)] = shot else {
             bail!("live stitching needs both eyes");
@@ -66,7 +67,14 @@ pub fn run(
             return Ok(ControlFlow::Continue(()));
         };
         if let Some(scales) = &scales {
-            scales.draw(left.sequence, out_format.layout.core_format(), stitched)?;
+            let since = statistics.first_left_ns.unwrap_or(left.time_ns);
+            let since_ns = left.time_ns.wrapping_sub(since);
+            let time_s = if has_time {
+                since_ns as f64 / 1e9
+            } else {
+                scales.time_of_frame_s(since_ns)?
+            };
+            scales.draw(time_s, out_format.layout.core_format(), stitched)?;
         }
         let stitched = &*stitched;
         if let Some(recorder) = &mut recorder {
@@ -79,14 +87,21 @@ pub fn run(
         watch.shot(shot, Some((stitched, out_format)), begun, statistics, None);
         Ok(limits.flow(watch.shots(), watch.start()))
     });
+    if let Some(recorder) = &mut recorder
+        && let Err(error) = recorder.finish()
+        && done.is_ok()
+    {
+        done = Err(error.into());
+    }
     if let Err(error) = done
         && !is_closed_pipe(&error)
     {
         return Err(error).with_context(|| format!("after {} frames", watch.shots()));
     }
-    if watch.shots() == 0 {
+    if watch.shots() == 0 && undecodable > 0 {
         bail!("no frame was stitched\n{}", watch.text());
     }
+    watch.end(feed)?;
     let mut text = watch.text();
     let mut json = watch.json();
     if undecodable > 0 {

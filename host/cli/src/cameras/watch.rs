@@ -5,11 +5,12 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tectum_capture::preview::{Picture, Preview, Snapshot};
-use tectum_capture::{FrameFormat, Health, PairStatistics, Session, monotonic_ns};
+use tectum_capture::{CaptureError, FrameFormat, Health, PairStatistics, Session, monotonic_ns};
 
 use super::Feed;
 use super::feed::Shot;
 use super::feed::counts_json;
+use super::outages::Outages;
 use crate::progress::Progress;
 
 /// From one line of figures to the next.
@@ -53,6 +54,7 @@ pub struct Watch {
     eyes: [Option<(String, Arc<Health>)>; 2],
     preview: Option<Preview>,
     progress: Progress,
+    _outages: Outages,
     start: Instant,
     shots: u64,
     work: Times,
@@ -74,6 +76,7 @@ impl Watch {
         let watch = Self {
             eyes: feed.eyes(),
             preview,
+            _outages: Outages::tell(feed.eyes(), &progress),
             progress,
             start: Instant::now(),
             shots: 0,
@@ -86,6 +89,21 @@ impl Watch {
         };
         watch.set_status(false, None);
         watch
+    }
+
+    /// The feed has ended: takes its last figures.
+    ///
+    /// # Errors
+    /// If nothing came at all.
+    pub fn end(&mut self, feed: &Feed) -> Result<(), CaptureError> {
+        self.statistics = feed.statistics();
+        if self.shots > 0 {
+            return Ok(());
+        }
+        let eyes = self.eyes.iter().flatten();
+        Err(CaptureError::no_frames(
+            eyes.map(|(name, health)| (&**name, &**health)),
+        ))
     }
 
     /// Shots so far.
@@ -227,6 +245,12 @@ impl Watch {
                 "\n{name}: {} frames, {} dropped, {} damaged, {} times back",
                 counts.frames, counts.dropped, counts.corrupt, counts.reconnects
             );
+            if counts.misstamped > 0 {
+                text += &format!(", {} left out for a wrong time", counts.misstamped);
+            }
+            if counts.clock_jumps > 0 {
+                text += &format!(", its clock jumped {} times", counts.clock_jumps);
+            }
         }
         text
     }

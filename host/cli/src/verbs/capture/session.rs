@@ -65,6 +65,7 @@ pub fn run(
         watch.shot(shot, None, begun, statistics, Some(&session));
         Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
+    watch.end(feed)?;
     let share = session
         .coverage()
         .each_ref()

@@ -28,6 +28,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path) -> anyhow::Result<Report
         watch.shot(shot, None, begun, statistics, None);
         Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
+    watch.end(feed)?;
     let text = format!("{}\n{}", folder.display(), watch.text());
     Ok(Report::new(text, watch.json()))
 }
