@@ -73,7 +73,7 @@ pub enum Feed {
     /// One eye, and whether it is the right one.
     One(Box<dyn FrameSource>, bool),
     /// Both.
-    Two(Pairs),
+    Two(Box<Pairs>),
     /// One source of both eyes.
     SideBySide(SideBySide),
 }

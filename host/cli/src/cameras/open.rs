@@ -109,7 +109,8 @@ pub fn open(
             let asked_ms = options.tolerance_ms.filter(|_| is_timed.contains(&true));
             let tolerance = asked_ms.map(|ms| (ms * 1e6).max(0.0) as u64);
             let late = late(all, left.is_live() || right.is_live());
-            Ok(Feed::Two(Pairs::new(left, right, tolerance, late)?))
+            let pairs = Pairs::new(left, right, tolerance, late)?;
+            Ok(Feed::Two(Box::new(pairs)))
         }
         (Some(left), None) => Ok(Feed::One(left, false)),
         (None, Some(right)) => Ok(Feed::One(right, true)),
