@@ -179,8 +179,8 @@ impl Reader<'_> {
     /// The field's image must have a radius that a picture can have: numbers of the wrong unit or
     /// power make one of a thousandth of a pixel, or of miles.
     fn check_radius(&self, eye: &Eye, name: &str) -> Result<(), RigError> {
-        // Short of the end, where the model may have no answer any more.
-        let angle = 0.99 * eye.field.half_angle_rad(0.0);
+        // As far as the sensor shows it, and short of the end, where the model may have no answer.
+        let angle = 0.99 * eye.half_angle_rad(0.0);
         let ray = Vector3::new(libm::sin(angle), 0.0, libm::cos(angle));
         let centre = eye.model.principal_point_px();
         let radius_px = eye.model.project(&ray).map_or(0.0, |pixel| {
