@@ -84,6 +84,10 @@ impl FileStorage {
         for (name, number) in &self.numbers {
             let _ = writeln!(text, "{name}: {number}");
         }
+        for (name, word) in &self.words {
+            // A string of JSON is one of YAML too.
+            let _ = writeln!(text, "{name}: {}", Value::from(word.as_str()));
+        }
         for (name, matrix) in &self.matrices {
             let Matrix { rows, cols, data } = matrix;
             let _ = writeln!(
