@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use image::ImageReader;
+use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
 
 use crate::source::{Frame, FrameSource, Next};
-use crate::{CaptureError, FrameFormat, Health, Layout, check_jpeg};
+use crate::{CaptureError, FrameFormat, Health, JpegDamage, Layout, check_jpeg};
 
 /// The picture files of a folder in the order of their names, hidden ones left out, or one picture:
 /// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt.
@@ -113,25 +113,45 @@ fn is_picture(file: &Path) -> bool {
     !is_hidden(file) && known.contains(&&*ending.to_ascii_lowercase())
 }
 
+/// Why bytes are not a picture that can be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// A JPEG picture that is not whole.
+    #[error("not a sound JPEG picture: {0}")]
+    Jpeg(JpegDamage),
+    /// Larger than the decoder allows.
+    #[error("too large a picture: decoded it takes more than 512 MiB")]
+    TooLarge,
+    /// Anything else.
+    #[error("not a sound PNG, JPEG, PNM, BMP or TIFF: {0}")]
+    Unsound(ImageError),
+}
+
+/// Decodes a PNG, JPEG, PNM, BMP or TIFF file; its content tells which.
+///
+/// # Errors
+/// [`PictureError`] for what must not be shown.
+pub fn decode_picture(bytes: &[u8]) -> Result<DynamicImage, PictureError> {
+    let reader = ImageReader::new(std::io::Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|error| PictureError::Unsound(error.into()))?;
+    if reader.format() == Some(ImageFormat::Jpeg) {
+        // Decoders show what is missing as plain grey.
+        check_jpeg(bytes).map_err(PictureError::Jpeg)?;
+    }
+    reader.decode().map_err(|error| match error {
+        ImageError::Limits(_) => PictureError::TooLarge,
+        error => PictureError::Unsound(error),
+    })
+}
+
 fn decode(path: &Path) -> Result<image::RgbImage, CaptureError> {
     let bytes = std::fs::read(path).map_err(|e| CaptureError::io(path, e))?;
-    let reader = ImageReader::new(std::io::Cursor::new(&bytes))
-        .with_guessed_format()
-        .map_err(|e| CaptureError::io(path, e))?;
-    if reader.format() == Some(image::ImageFormat::Jpeg) {
-        // Decoders show what is missing as plain grey.
-        check_jpeg(&bytes).map_err(|damage| CaptureError::File {
-            path: path.to_owned(),
-            why: format!("not a sound JPEG picture: {damage}"),
-        })?;
-    }
-    match reader.decode() {
-        Ok(picture) => Ok(picture.into_rgb8()),
-        Err(error) => Err(CaptureError::File {
-            path: path.to_owned(),
-            why: format!("not a sound PNG, JPEG, PNM, BMP or TIFF: {error}"),
-        }),
-    }
+    let picture = decode_picture(&bytes).map_err(|error| CaptureError::File {
+        path: path.to_owned(),
+        why: error.to_string(),
+    })?;
+    Ok(picture.into_rgb8())
 }
 
 impl FrameSource for Pictures {
