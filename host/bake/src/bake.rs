@@ -238,7 +238,7 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// The left eye's weight at every output pixel: the seam map's, or geometry's if there is none.
+/// The left eye's weight at every output pixel: the seam map's, or geometry's without one.
 pub(crate) fn weights(rig: &Rig, options: &BakeOptions, sights: &Sights) -> Weights {
     let output = &options.output;
     match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::CaptureError;
 
 /// Recordings stop when less is free: a full disk stops more than a recording.
-pub const LEAST_FREE_BYTES: u64 = 200 << 20;
+pub const MIN_FREE_BYTES: u64 = 200 << 20;
 
 /// Refuses when the disk that holds `path` (a file yet to be made, or a folder) has less than
 /// `needed_bytes` free.

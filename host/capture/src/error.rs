@@ -174,7 +174,7 @@ impl CaptureError {
             io::ErrorKind::StorageFull => Self::DiskFull {
                 path: path.to_owned(),
                 free_mb: 0,
-                needed_mb: crate::LEAST_FREE_BYTES >> 20,
+                needed_mb: crate::MIN_FREE_BYTES >> 20,
             },
             _ => Self::Io {
                 path: path.to_owned(),

@@ -8,7 +8,7 @@ use y4m::Colorspace;
 
 use crate::convert::{to_core, to_rgb8};
 use crate::writer::Writer;
-use crate::{CaptureError, Frame, FrameFormat, LEAST_FREE_BYTES, Layout, check_free, mjpeg, stamp};
+use crate::{CaptureError, Frame, FrameFormat, Layout, MIN_FREE_BYTES, check_free, mjpeg, stamp};
 
 /// Quality of frames that the camera did not compress itself, of 100.
 const JPEG_QUALITY: u8 = 92;
@@ -82,7 +82,7 @@ impl Recorder {
     /// # Errors
     /// [`CaptureError`] if the file exists or cannot be made, or there is too little room.
     pub fn create(path: &Path, kind: VideoKind, rate: [u32; 2]) -> Result<Self, CaptureError> {
-        check_free(path, LEAST_FREE_BYTES)?;
+        check_free(path, MIN_FREE_BYTES)?;
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(|e| CaptureError::io(folder, e))?;
         }

@@ -8,7 +8,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::{CaptureError, LEAST_FREE_BYTES, check_free};
+use crate::{CaptureError, MIN_FREE_BYTES, check_free};
 
 /// What is recorded reaches the disk itself at least this often; a power cut loses no more.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
@@ -176,7 +176,7 @@ fn write_one(
     if synced.elapsed() >= SYNC_EVERY {
         file.sync_data().map_err(|error| (io(error), true))?;
         *synced = Instant::now();
-        check_free(path, LEAST_FREE_BYTES).map_err(|error| (error, true))?;
+        check_free(path, MIN_FREE_BYTES).map_err(|error| (error, true))?;
     }
     Ok(())
 }

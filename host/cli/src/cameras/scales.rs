@@ -200,7 +200,7 @@ impl Attitudes {
 }
 
 impl Attitude {
-    /// Refuses numbers that are none, or that no body has.
+    /// Refuses infinite and undefined numbers, and those that no body has.
     fn check(&self) -> anyhow::Result<()> {
         let (metres, degrees) = (
             [self.x_m, self.y_m, self.z_m],

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Runs as the first program of the virtual machine: three virtual cameras, the last of them
-# multi-planar, the built tectum, and what must come of it. Says "ok NAME" or "FAIL NAME: why" for each check and "PNG NAME BASE64" for
-# pictures that the host judges.
+# multi-planar, the built tectum, and what must come of it. Says "ok NAME" or "FAIL NAME: why" for each
+# check and "PNG NAME BASE64" for pictures that the host judges.
 /bin/busybox mkdir -p /proc /sys /dev /tmp
 /bin/busybox mount -t proc none /proc
 /bin/busybox mount -t sysfs none /sys

@@ -17,7 +17,7 @@ const BARS: [[u8; 3]; 8] = [
     [0, 0, 0],
 ];
 /// Checks that the script makes; fewer means that it broke off.
-const LEAST_CHECKS: usize = 72;
+const MIN_CHECKS: usize = 72;
 
 /// Fails with everything that failed.
 pub fn judge(said: &str) -> anyhow::Result<()> {
@@ -51,8 +51,8 @@ pub fn judge(said: &str) -> anyhow::Result<()> {
     if !failures.is_empty() {
         bail!("{}", failures.join("\n"));
     }
-    if passed < LEAST_CHECKS {
-        bail!("only {passed} of {LEAST_CHECKS} checks were made; the machine said:\n{said}");
+    if passed < MIN_CHECKS {
+        bail!("only {passed} of {MIN_CHECKS} checks were made; the machine said:\n{said}");
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use tectum_capture::{Frame, LEAST_FREE_BYTES, check_free, to_rgb8};
+use tectum_capture::{Frame, MIN_FREE_BYTES, check_free, to_rgb8};
 
 use super::Args;
 use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
@@ -46,7 +46,7 @@ pub fn next_number(folder: &Path) -> u32 {
 
 /// Writes a frame as PNG.
 pub fn save(frame: &Frame<'_>, path: &Path) -> anyhow::Result<()> {
-    check_free(path, LEAST_FREE_BYTES)?;
+    check_free(path, MIN_FREE_BYTES)?;
     let Ok(rgb) = to_rgb8(frame) else {
         // The next shot has the next number; this one lacks an eye and is no pair.
         return Ok(());
