@@ -22,6 +22,8 @@ struct Campaign {
 enum Work {
     /// What is ignored in these test programs.
     Ignored(&'static [&'static str]),
+    /// These test programs with four times as many random cases.
+    Random(&'static [&'static str]),
     /// The tests of an emulated SoC, with all random cases.
     Aarch64,
     /// The boards that the ordinary run leaves out while nothing of theirs changes.
@@ -45,7 +47,7 @@ const CORE: &[&str] = &[
     "tests/exact",
 ];
 
-const CAMPAIGNS: [Campaign; 9] = [
+const CAMPAIGNS: [Campaign; 10] = [
     Campaign {
         name: "detection",
         proves: "boards of ten real sets are found, whole and covered in 13 ways; no false marker",
@@ -111,6 +113,13 @@ const CAMPAIGNS: [Campaign; 9] = [
         minutes: 3,
         part: CORE,
         work: Work::Ignored(&["tests/exact/differential"]),
+    },
+    Campaign {
+        name: "random",
+        proves: "laws of lenses, rigs and files on four times as many random cases",
+        minutes: 2,
+        part: &["Cargo.lock", "host/optics"],
+        work: Work::Random(&["host/optics/lib", "host/optics/formats"]),
     },
     Campaign {
         name: AARCH64_NAME,
@@ -180,7 +189,14 @@ pub fn run(list: bool, name: Option<&str>) -> anyhow::Result<Outcome> {
     // Before it begins: what is edited while it runs has not passed.
     let hash = record::hash(campaign.part)?;
     match campaign.work {
-        Work::Ignored(tests) => ignored(tests)?,
+        Work::Ignored(tests) => {
+            let arguments = ["--ignored", "--nocapture"];
+            tests_of(tests, |command| command.args(arguments))?;
+        }
+        Work::Random(tests) => tests_of(tests, |command| {
+            // The usual number is 256.
+            command.env("PROPTEST_CASES", "1024")
+        })?,
         Work::Aarch64 if !packages::are_there(AARCH64) => {
             return Ok(Outcome::Skipped(packages::advice(AARCH64)));
         }
@@ -192,12 +208,11 @@ pub fn run(list: bool, name: Option<&str>) -> anyhow::Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// Runs what is ignored in test programs.
-fn ignored(tests: &[&str]) -> anyhow::Result<()> {
+/// Runs test programs, each told by `tell` what it shall do.
+fn tests_of(tests: &[&str], tell: impl Fn(&mut Command) -> &mut Command) -> anyhow::Result<()> {
     for program in programs::build()? {
         if tests.contains(&&*program.name) {
-            let mut command: Command = program.command();
-            cargo::run(command.args(["--ignored", "--nocapture"]))?;
+            cargo::run(tell(&mut program.command()))?;
         }
     }
     Ok(())

@@ -255,7 +255,7 @@ fn real_pictures_reach_the_published_residual() {
     };
     let bench = Bench::new();
     let run = format!(
-        "calibrate {} --board 6x8 --square-mm 32.5 -o eye.toml",
+        "calibrate {} --board 6x8 --square-mm 32.5 --model ocam -o eye.toml",
         data.display()
     );
     let json = bench.json(&run);
