@@ -23,7 +23,7 @@ pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Repor
 pub use format::{Format, Pair, Pass, draw_overlay, stitch, stitch_parallel};
 pub use output_map::output_map;
 pub use parallel::stitch_bands;
-pub use scales::{Scales, ScalesError, ScalesReport};
+pub use scales::{Scales, ScalesError, ScalesReport, scales_svg};
 pub use sights::{Sight, Sights};
 pub use tone::ToneError;
 pub use verify::{FormatResult, PixelError, Verification, VerifyError, verify};

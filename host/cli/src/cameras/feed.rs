@@ -35,13 +35,17 @@ impl Feed {
         }
     }
 
-    /// Frames, in seconds.
-    pub fn rate(&self) -> [u32; 2] {
-        let period_ns = match self {
+    /// From one frame to the next, ns, as it should be; `None` where time plays no part.
+    pub fn period_ns(&self) -> Option<u64> {
+        match self {
             Self::One(source, _) => source.period_ns(),
             Self::Two(pairs) => pairs.period_ns(),
-        };
-        let hz = 1e9 / period_ns.unwrap_or(33_333_333) as f64;
+        }
+    }
+
+    /// Frames, in seconds.
+    pub fn rate(&self) -> [u32; 2] {
+        let hz = 1e9 / self.period_ns().unwrap_or(33_333_333) as f64;
         if (hz - hz.round()).abs() < 1e-3 * hz {
             [hz.round().max(1.0) as u32, 1]
         } else {

@@ -7,11 +7,12 @@ mod scales;
 pub mod showing;
 mod stage;
 pub mod streaming;
+pub mod viewing;
 mod watch;
 
 pub use demo::demo_table;
 pub use feed::Feed;
 pub use open::{CameraOptions, open};
-pub use scales::{Attitude, LiveScales};
+pub use scales::{Attitude, Attitudes, LiveScales};
 pub use stage::{Limits, ViewArgs, stop_on_interrupt};
 pub use watch::Watch;

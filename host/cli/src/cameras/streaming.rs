@@ -51,7 +51,7 @@ pub fn run(
     let stop = stop_on_interrupt(limits)?;
     let preview = view
         .view
-        .map(|address| showing::serve(address, feed, Some(tables)));
+        .map(|address| showing::serve(address, feed, Some(tables), false));
     let mut watch = Watch::new(feed, preview.transpose()?);
     let mut stitcher = LiveStitcher::new(tables, sampler);
     let out_format = FrameFormat::packed(
@@ -79,7 +79,7 @@ pub fn run(
                 ..left
             })?;
         }
-        watch.shot(shot, Some((stitched, out_format)), begun, statistics, None);
+        watch.shot(shot, Some((stitched, out_format)), begun, statistics);
         Ok(limits.flow(watch.shots(), watch.start()))
     });
     if let Err(error) = done

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tectum_capture::preview::{Picture, Preview, Snapshot};
-use tectum_capture::{FrameFormat, Health, PairStatistics, Session, monotonic_ns};
+use tectum_capture::{Frame, FrameFormat, Health, Moment, Operator, PairStatistics, monotonic_ns};
 
 use super::Feed;
 use super::feed::Shot;
@@ -52,6 +52,14 @@ impl Times {
 pub struct Watch {
     eyes: [Option<(String, Arc<Health>)>; 2],
     preview: Option<Preview>,
+    operator: Option<Operator>,
+    attitude: Value,
+    session: Value,
+    is_stitched: bool,
+    /// The source has no more frames; the last ones stay.
+    has_ended: bool,
+    /// Each frame is shown: there may be no other.
+    shows_all: bool,
     progress: Progress,
     start: Instant,
     shots: u64,
@@ -69,11 +77,17 @@ impl Watch {
     pub fn new(feed: &Feed, preview: Option<Preview>) -> Self {
         let progress = Progress::endless();
         if let Some(preview) = &preview {
-            progress.note(&format!("preview: http://{}/", preview.address()));
+            progress.note(&preview.notice());
         }
         let watch = Self {
             eyes: feed.eyes(),
             preview,
+            operator: None,
+            attitude: Value::Null,
+            session: Value::Null,
+            is_stitched: false,
+            has_ended: false,
+            shows_all: !feed.is_live(),
             progress,
             start: Instant::now(),
             shots: 0,
@@ -84,8 +98,43 @@ impl Watch {
             rate_hz: 0.0,
             note: String::new(),
         };
-        watch.set_status(false, None);
+        watch.set_status();
         watch
+    }
+
+    /// With somebody who saves what clients of the preview ask for.
+    pub fn with_operator(mut self, operator: Operator) -> Self {
+        self.operator = Some(operator);
+        self
+    }
+
+    /// The feed has been opened again.
+    pub fn begin_again(&mut self, feed: &Feed) {
+        self.eyes = feed.eyes();
+        if let Some(preview) = &self.preview {
+            preview.set_eyes(feed.eyes());
+        }
+    }
+
+    /// How the body is turned at the shot to come, for the page.
+    pub fn set_attitude(&mut self, attitude: Value) {
+        self.attitude = attitude;
+    }
+
+    /// What the page draws and says of a calibration session.
+    pub fn set_session(&mut self, session: Value) {
+        self.session = session;
+    }
+
+    /// There will be no more frames; the last ones stay on the page.
+    pub fn hold(&mut self) {
+        self.has_ended = true;
+        let nothing = Moment {
+            eyes: [None, None],
+            stitched: None,
+        };
+        self.operate(&nothing);
+        self.set_status();
     }
 
     /// Shots so far.
@@ -110,7 +159,6 @@ impl Watch {
         stitched: Option<Stitched<'_>>,
         begun: Instant,
         statistics: &PairStatistics,
-        session: Option<&Session>,
     ) {
         self.shots += 1;
         self.statistics = *statistics;
@@ -123,20 +171,51 @@ impl Watch {
             self.latency.add(ms);
             self.lately.2.add(ms);
         }
-        if let Some(preview) = self.preview.as_ref().filter(|preview| preview.is_due()) {
-            let [left, right] = shot.map(|frame| frame.map(|f| Picture::new(f.data, f.format)));
-            preview.publish(Snapshot {
-                number: self.shots,
-                stitched: stitched.map(|(data, format)| Picture::new(data, format)),
-                left,
-                right,
-            });
+        let stitched = stitched.and_then(|(data, format)| {
+            let like = shot[0].or(shot[1])?;
+            Some(Frame {
+                data,
+                format,
+                ..like
+            })
+        });
+        self.operate(&Moment {
+            eyes: *shot,
+            stitched,
+        });
+        if let Some(preview) = &self.preview {
+            preview.frame_came();
+            if self.shows_all || preview.is_due() {
+                let [left, right] = shot.map(|frame| frame.as_ref().map(Picture::of));
+                preview.publish(Snapshot {
+                    number: self.shots,
+                    stitched: stitched.as_ref().map(Picture::of),
+                    left,
+                    right,
+                });
+            }
         }
+        self.is_stitched = stitched.is_some();
         if self.lately.0.elapsed() >= SAY_EVERY {
             self.rate_hz = self.lately.1 as f64 / self.lately.0.elapsed().as_secs_f64();
             self.progress.say(self.line());
-            self.set_status(stitched.is_some(), session);
+            self.set_status();
             self.lately = (Instant::now(), 0, Times::default());
+        }
+    }
+
+    /// Records, and does what clients ask for.
+    fn operate(&mut self, moment: &Moment<'_>) {
+        let Some(operator) = &mut self.operator else {
+            return;
+        };
+        operator.frames(moment);
+        while let Some(asked) = self.preview.as_ref().and_then(Preview::next_request) {
+            if moment.eyes.iter().all(Option::is_none) {
+                asked.answer(Err("the recording has ended".to_owned()));
+            } else {
+                operator.answer(asked, moment);
+            }
         }
     }
 
@@ -157,19 +236,14 @@ impl Watch {
         line
     }
 
-    fn set_status(&self, is_stitched: bool, session: Option<&Session>) {
+    fn set_status(&self) {
         let Some(preview) = &self.preview else {
             return;
         };
         let statistics = &self.statistics;
-        let coverage = session.map(|session| {
-            let [left, right] = session.coverage();
-            json!({
-                "side": tectum_capture::Coverage::side(),
-                "left": left.cells(), "right": right.cells(),
-            })
-        });
-        let state = if self.shots == 0 {
+        let state = if self.has_ended {
+            "end of the recording".to_owned()
+        } else if self.shots == 0 {
             "waiting for frames".to_owned()
         } else if self.note.is_empty() {
             format!("{:.1} Hz", self.rate_hz)
@@ -178,8 +252,11 @@ impl Watch {
         };
         let status = json!({
             "state": state,
-            "stitched": is_stitched,
-            "coverage": coverage,
+            "stitched": self.is_stitched,
+            "ended": self.has_ended,
+            "attitude": self.attitude,
+            "operator": self.operator.as_ref().map(Operator::status),
+            "session": self.session,
             "figures": {
                 "frame rate": format!("{:.1} Hz", self.rate_hz),
                 "latency": self.lately.2.text(),

@@ -43,7 +43,8 @@ impl Drop for Viewing {
 
 /// The table's answer must be the page's.
 fn assert_same_as_lookup(bench: &Bench, readout: &str, eye: &str) {
-    // "12.50,7.25: yaw 1.234° pitch -5.678° (left)", with the eye in front for a raw picture.
+    // "12.50,7.25: yaw 1.234° (left), pitch -5.678° (up), shown by left", with the eye in front for
+    // a raw picture.
     let (at, rest) = readout
         .split_once(": yaw ")
         .unwrap_or_else(|| panic!("{readout}"));
@@ -56,13 +57,37 @@ fn assert_same_as_lookup(bench: &Bench, readout: &str, eye: &str) {
     let answer: Value = bench.json(&format!("lookup fish.tct{of} --pixel {at}"));
     let said = |key: &str| answer[key].as_f64().expect("a number");
     let shown_by = answer["eye"].as_str().unwrap_or("none");
+    let angle = |key: &str, [positive, negative]: [&str; 2]| {
+        let side = if said(key) > 0.0 { positive } else { negative };
+        format!("{:.3}° ({side})", said(key))
+    };
     let wanted = format!(
-        "{:.3}° pitch {:.3}° ({shown_by})",
-        said("yaw_deg"),
-        said("pitch_deg")
+        "{}, pitch {}, shown by {shown_by}",
+        angle("yaw_deg", ["left", "right"]),
+        angle("pitch_deg", ["down", "up"])
     );
     assert_eq!(rest, wanted, "at {at}");
 }
+
+/// Middle of an element, px, brought onto the screen.
+fn middle(chromium: &mut Chromium, of: &str, [x, y]: [f64; 2]) -> [f64; 2] {
+    let script = format!(
+        "(() => {{ const c = document.getElementById('{of}'); \
+         c.scrollIntoView({{ block: 'center' }}); const b = c.getBoundingClientRect(); \
+         return [b.left + b.width * {x}, b.top + b.height * {y}]; }})()"
+    );
+    let at = chromium.value(&script);
+    [0, 1].map(|i| at[i].as_f64().expect("a place"))
+}
+
+fn press(chromium: &mut Chromium, button: &str) {
+    let at = middle(chromium, button, [0.5, 0.5]);
+    chromium.mouse(at, true);
+}
+
+/// Screens that the page must fit: a phone upright and sideways, a laptop.
+const SCREENS: [([u32; 2], bool); 3] =
+    [([1280, 800], false), ([390, 844], true), ([844, 390], true)];
 
 #[test]
 fn the_page_shows_new_pictures_and_the_directions_of_lookup() {
@@ -71,7 +96,7 @@ fn the_page_shows_new_pictures_and_the_directions_of_lookup() {
         return;
     };
     let viewing = Viewing::start(&bench, "view fish.tct --source demo");
-    for (size, mobile) in [([1280, 800], false), ([360, 640], true)] {
+    for (size, mobile) in SCREENS {
         chromium.open(&viewing.url, size, mobile);
         chromium.wait_for("document.getElementById('stitched')?.width === 160");
         chromium.wait_for("document.getElementById('left').width === 240");
@@ -80,39 +105,97 @@ fn the_page_shows_new_pictures_and_the_directions_of_lookup() {
         let number = "Number(document.getElementById('stitched').dataset.number)";
         let before = chromium.value(number).as_f64().expect("a number");
         chromium.wait_for(&format!("{number} > {before}"));
-        // Nothing is wider than the screen, and scales lie over the picture.
+        // Nothing is wider than the screen, and scales are drawn for the size shown.
         chromium.wait_for("document.documentElement.scrollWidth <= window.innerWidth");
-        chromium.wait_for("document.getElementById('scales').naturalWidth === 160");
+        chromium.wait_for(
+            "Math.abs(document.getElementById('scales').naturalWidth \
+             - document.getElementById('stitched').getBoundingClientRect().width) <= 4",
+        );
+        // Pictures that are live have no veil, and nothing is alarming.
+        chromium.wait_for("[...document.querySelectorAll('.veil')].every((veil) => veil.hidden)");
         for (canvas, eye, place) in [
             ("stitched", "", [0.3, 0.4]),
             ("stitched", "", [0.62, 0.55]),
             ("left", "left", [0.5, 0.45]),
             ("right", "right", [0.4, 0.5]),
         ] {
-            let script = format!(
-                "(() => {{ const c = document.getElementById('{canvas}'); \
-                 c.scrollIntoView({{ block: 'center' }}); const b = c.getBoundingClientRect(); \
-                 return [b.left + b.width * {}, b.top + b.height * {}]; }})()",
-                place[0], place[1]
-            );
-            let at = chromium.value(&script);
-            let at = [0, 1].map(|i| at[i].as_f64().expect("a place"));
+            let targets = "document.getElementById('targets').rows.length";
+            let before = chromium.value(targets).as_u64().expect("a count");
+            let at = middle(&mut chromium, canvas, place);
             chromium.mouse(at, true);
-            let starts = if eye.is_empty() {
-                "target ".to_owned()
-            } else {
-                format!("target {eye} ")
-            };
+            chromium.wait_for(&format!("{targets} === {}", before + 1));
+            let of = if eye.is_empty() { "" } else { eye };
             chromium.wait_for(&format!(
-                "document.getElementById('held').textContent.startsWith('{starts}') && \
-                 document.getElementById('held').textContent === \
-                 'target ' + document.getElementById('readout').textContent"
+                "document.getElementById('readout').textContent.startsWith('{of}') && \
+                 /shown by/.test(document.getElementById('readout').textContent)"
             ));
             let readout = chromium.value("document.getElementById('readout').textContent");
             assert_same_as_lookup(&bench, readout.as_str().expect("text"), eye);
         }
+        // A finger on the picture scrolls.
+        let touch = "getComputedStyle(document.getElementById('stitched')).touchAction";
+        let touch = chromium.value(touch);
+        assert!(
+            touch.as_str().is_some_and(|t| t.contains("pan-y")),
+            "{touch}"
+        );
         chromium.wait_for("/Hz/.test(document.getElementById('state').textContent)");
         chromium.wait_for("/latency/.test(document.getElementById('figures').textContent)");
     }
+    assert!(chromium.complaints.is_empty(), "{:?}", chromium.complaints);
+}
+
+#[test]
+fn who_has_the_token_records_and_a_program_that_is_gone_is_unmistakable() {
+    let bench = Bench::with_table();
+    let Some(mut chromium) = Chromium::start() else {
+        return;
+    };
+    let viewing = Viewing::start(&bench, "view fish.tct --source demo --folder dive");
+    let (bare, _) = viewing.url.split_once('#').expect("a token");
+    chromium.open(bare, [1280, 800], false);
+    chromium.wait_for("document.getElementById('stitched')?.width === 160");
+    chromium.wait_for("facts.may_change === false && document.getElementById('operator').hidden");
+    chromium.open("about:blank", [1280, 800], false);
+    chromium.open(&viewing.url, [1280, 800], false);
+    chromium.wait_for("facts.may_change === true && !document.getElementById('operator').hidden");
+    // The token does not stay in the address.
+    chromium.wait_for("location.hash === ''");
+    press(&mut chromium, "snapshot");
+    chromium.wait_for(
+        "/^3 pictures of .* saved$/.test(document.getElementById('outcome').textContent)",
+    );
+    press(&mut chromium, "record");
+    chromium.wait_for("facts.operator.recording?.frames > 2");
+    chromium.wait_for("document.getElementById('record').ariaPressed === 'true'");
+    press(&mut chromium, "record");
+    chromium.wait_for("/recorded$/.test(document.getElementById('outcome').textContent)");
+    chromium.wait_for("/free disk/.test(document.getElementById('figures').textContent)");
+    let marks = std::fs::read_to_string(bench.path("dive/marks.csv")).expect("marks");
+    assert_eq!(marks.lines().count(), 4, "{marks}");
+    assert!(chromium.complaints.is_empty(), "{:?}", chromium.complaints);
+    drop(viewing);
+    chromium.wait_for("/NO CONNECTION/.test(document.getElementById('alarm').textContent)");
+    chromium.wait_for(
+        "!document.getElementById('alarm').hidden && \
+         [...document.querySelectorAll('.veil')].every((veil) => !veil.hidden)",
+    );
+}
+
+#[test]
+fn one_eye_of_a_recording_without_a_table_is_shown_to_its_end_and_held() {
+    let bench = Bench::new();
+    bench.done("capture shot --source demo --record y4m --frames 4");
+    let Some(mut chromium) = Chromium::start() else {
+        return;
+    };
+    let viewing = Viewing::start(&bench, "view --right shot/right.y4m");
+    chromium.open(&viewing.url, [390, 844], true);
+    chromium.wait_for("document.getElementById('right')?.width === 240");
+    chromium.wait_for("document.getElementById('left-part').hidden");
+    chromium.wait_for("document.getElementById('stitched-part').hidden");
+    chromium.wait_for("/end of the recording/.test(document.getElementById('state').textContent)");
+    chromium.wait_for("document.getElementById('alarm').hidden");
+    assert_eq!(chromium.value("facts.right.frames"), serde_json::json!(4));
     assert!(chromium.complaints.is_empty(), "{:?}", chromium.complaints);
 }

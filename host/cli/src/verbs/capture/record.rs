@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde_json::json;
-use tectum_capture::{Recorder, VideoKind};
+use tectum_capture::{Operator, Recorder, VideoKind};
 
 use super::Args;
 use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
@@ -21,8 +21,9 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
     let mut recorders = [create((left, "left"))?, create((right, "right"))?];
     let stop = stop_on_interrupt(&args.limits)?;
     let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None));
-    let mut watch = Watch::new(feed, preview.transpose()?);
+    let preview = view.map(|address| showing::serve(address, feed, None, true));
+    let operator = Operator::new(folder, feed.rate(), true);
+    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
     feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         for (recorder, frame) in recorders.iter_mut().zip(shot) {
@@ -30,7 +31,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
                 recorder.write(frame)?;
             }
         }
-        watch.shot(shot, None, begun, statistics, None);
+        watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
     let mut json = watch.json();
