@@ -5,22 +5,7 @@ use std::path::{Path, PathBuf};
 use image::GrayImage;
 use rayon::prelude::*;
 use tectum_optics::Rig;
-
-fn repository() -> &'static Path {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
-    tests.parent().unwrap_or(tests)
-}
-
-/// A folder of the data sets that lie beside a checkout in `../shared/data`. `None`, with a
-/// message, where they are not there: the test that asked then has nothing to do.
-pub fn data(set: &str) -> Option<PathBuf> {
-    let folder = repository().join("../shared/data").join(set);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: the pictures of {set} are not beside this checkout");
-    None
-}
+use tectum_test_data::repository;
 
 /// Folder of the shipped tables.
 pub fn baked_folder() -> PathBuf {

@@ -1,18 +1,15 @@
 //! Real board pictures to calibrated eyes, judged on boards that took no part.
 //!
-//! `cargo test -p tectum-tests --release --test calibration -- --nocapture` prints the table of the
-//! README: 2-D RMS of all corners found (outliers included), poses refitted; and the same for the odd
+//! `cargo xtask campaign real-calibration` prints the table of the README: 2-D RMS of all corners found (outliers included), poses refitted; and the same for the odd
 //! boards with the intrinsics of the even ones, and the reverse, pooled over boards. The last column
 //! is held-out, too, but each board may bend and move while a rolling shutter reads it: what is left
 //! there is the lens and the corners alone.
-
-use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use tectum_calibrate::detect::chessboard::detect;
 use tectum_calibrate::solve::{Options, Problem, board_pose, calibrate};
 use tectum_calibrate::{Board, Calibration, View};
-use tectum_tests::{loose_square_px2, pictures};
+use tectum_tests::{data, loose_square_px2, pictures};
 
 /// A set of pictures and what is reached on it.
 struct Set {
@@ -79,16 +76,6 @@ const SETS: [Set; 10] = [
     ),
 ];
 
-/// The folder of real pictures; `None`, with a word, where it is absent.
-fn data() -> Option<PathBuf> {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    if data.is_dir() {
-        return Some(data);
-    }
-    println!("skipped: no real pictures in {}", data.display());
-    None
-}
-
 /// Mean squared residual of each view, px^2: of a flat board at rest, and of one that may bend and
 /// move.
 fn judge(calibration: &Calibration, board: &Board, views: &[View]) -> Vec<[f64; 2]> {
@@ -108,13 +95,23 @@ fn root_mean(squares: &[f64]) -> f64 {
 }
 
 #[test]
-fn held_out_boards_of_real_sets() {
-    let Some(data) = data() else { return };
+fn held_out_boards_of_small_real_sets() {
+    held_out(&SETS[1..3]);
+}
+
+#[test]
+#[ignore = "campaign real-calibration: ten sets, a minute and a half"]
+fn held_out_boards_of_all_real_sets() {
+    held_out(&SETS);
+}
+
+fn held_out(sets: &[Set]) {
+    let Some(data) = data("") else { return };
     println!(
         "set | boards | corners | model | RMS px | held-out px, all | held-out px | best peer | held-out px, loose boards"
     );
     let mut missed = Vec::new();
-    for set in SETS {
+    for set in sets {
         let pictures = pictures(&data.join(set.folder));
         let size_px = pictures[0].dimensions().into();
         let board = Board {

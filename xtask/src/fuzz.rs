@@ -1,60 +1,55 @@
 //! `cargo xtask fuzz`: some seconds of fuzzing, on a copy of the corpus.
 
-use std::process::{Command, Stdio};
+use std::fs;
+use std::process::Command;
 
-use anyhow::{Context, bail};
+use xtask::{Outcome, repository, target_dir};
 
-use crate::repository;
+use crate::cargo;
+use crate::jobs::{Job, Kind};
 
-/// Arguments of `cargo xtask fuzz`.
-#[derive(clap::Args)]
-pub struct Args {
-    /// How long to fuzz, seconds
-    #[arg(long, default_value_t = 10)]
-    seconds: u32,
-}
+/// How long, where nothing else is said.
+pub const SECONDS: u32 = 10;
 
-impl Default for Args {
-    fn default() -> Self {
-        Self { seconds: 10 }
-    }
-}
+/// What to do where it is not possible.
+pub const ADVICE: &str =
+    "rustup toolchain install nightly, cargo install cargo-fuzz; its corpus ran as a test";
 
 /// Whether nightly Rust and cargo-fuzz are here.
 pub fn is_possible() -> bool {
-    let quiet = |command: &mut Command| {
-        let silent = command.stdout(Stdio::null()).stderr(Stdio::null());
-        silent.status().is_ok_and(|status| status.success())
-    };
-    quiet(Command::new("cargo").args(["+nightly", "--version"]))
-        && quiet(Command::new("cargo").args(["fuzz", "--version"]))
+    cargo::succeeds(Command::new("cargo").args(["+nightly", "--version"]))
+        && cargo::succeeds(Command::new("cargo").args(["fuzz", "--version"]))
 }
 
 /// Runs `cargo xtask fuzz`.
-pub fn run(args: &Args) -> anyhow::Result<()> {
+pub fn run(seconds: u32) -> anyhow::Result<Outcome> {
     if !is_possible() {
-        bail!("fuzzing needs nightly Rust and `cargo install cargo-fuzz`");
+        return Ok(Outcome::Skipped(ADVICE.to_owned()));
     }
+    cargo::run(&mut command(seconds)?)?;
+    Ok(Outcome::Passed)
+}
+
+/// Ten seconds of it, for the gate.
+pub fn job() -> anyhow::Result<Job> {
+    Ok(Job::new("fuzzing", Kind::Check, command(SECONDS)?))
+}
+
+/// What is found goes to a copy: the corpus in the repository stays as it is.
+fn command(seconds: u32) -> anyhow::Result<Command> {
     let fuzz = repository().join("tests/fuzz");
-    // The corpus in the repository stays as it is: what is found goes to a copy.
-    let corpus = tempfile::tempdir()?;
-    for entry in std::fs::read_dir(fuzz.join("corpus/tables"))? {
+    let corpus = target_dir("xtask").join("corpus");
+    fs::create_dir_all(&corpus)?;
+    for entry in fs::read_dir(fuzz.join("corpus/tables"))? {
         let entry = entry?;
-        std::fs::copy(entry.path(), corpus.path().join(entry.file_name()))?;
+        fs::copy(entry.path(), corpus.join(entry.file_name()))?;
     }
-    let status = Command::new("cargo")
+    let mut command = Command::new("cargo");
+    command
         .args(["+nightly", "fuzz", "run", "--fuzz-dir", ".", "tables"])
-        .arg(corpus.path())
-        .args([
-            "--",
-            "-verbosity=0",
-            &format!("-max_total_time={}", args.seconds),
-        ])
-        .current_dir(&fuzz)
-        .status()
-        .context("cargo fuzz")?;
-    if !status.success() {
-        bail!("the fuzzer found a failure: see tests/fuzz/artifacts");
-    }
-    Ok(())
+        .arg(corpus)
+        .args(["--", "-verbosity=0"])
+        .arg(format!("-max_total_time={seconds}"))
+        .current_dir(fuzz);
+    Ok(command)
 }

@@ -1,62 +1,50 @@
-//! One named command for each chore and CI step.
+//! `cargo xtask`: one named command for each chore and CI step.
 
-mod cameras;
-mod figures;
-mod firmware;
+mod aarch64;
+mod campaign;
+mod cargo;
 mod fuzz;
-mod packages;
+mod jobs;
+mod programs;
+mod record;
 mod steps;
-mod tables;
+mod tally;
 
-use std::path::Path;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use steps::Outcome;
+use anyhow::bail;
+use pico_args::Arguments;
+use xtask::Outcome;
 
-#[derive(Parser)]
-#[command(
-    name = "cargo xtask",
-    about = "One named command for each chore and CI step"
-)]
-struct Cli {
-    #[command(subcommand)]
-    command: Command,
-}
+const HELP: &str = "\
+One named command for each chore and CI step.
 
-#[derive(Subcommand)]
-enum Command {
-    /// Everything that must pass, in order; what it needs it installs, or says what to install
-    Test,
-    /// Bake the shipped tables again and compare them byte for byte
-    Tables(tables::Args),
-    /// Write the README's table of measured figures and compare it
-    Figures(figures::Args),
-    /// Fuzz the table parser for some seconds, where nightly Rust and cargo-fuzz are present
-    Fuzz(fuzz::Args),
-    /// The core on emulated Cortex-M boards: test, report
-    Firmware(firmware::Args),
-    /// The tests of the tables and the core on emulated aarch64
-    Aarch64,
-    /// The built program with the Linux kernel's virtual cameras, in an emulated machine
-    Cameras,
-}
+cargo xtask test [--install] [--only STEP] [--all] [--list]
+    Everything that must pass. --list names the steps and what each proves; --only runs one of them
+    (`--only host/calibrate/chessboard`: one test program). Missing Debian packages are installed with
+    --install or where CI=true; otherwise the steps that need them are skipped and say so. Boards and
+    aarch64, whose campaigns have passed on the very same sources, are run with --all alone.
+cargo xtask campaign NAME | --list
+    What takes too long for `test`: --list says what each proves, how long it takes and whether its
+    part has changed since it passed.
+cargo xtask tables [--bless]       bakes the shipped tables again and compares them byte for byte
+cargo xtask figures [--bless]      compares the README's measured figures, or writes them
+cargo xtask firmware test|report   the core on emulated Cortex-M boards (--help says more)
+cargo xtask aarch64                tables, core and bake on emulated aarch64
+cargo xtask cameras                the program with the kernel's virtual cameras, in a machine
+cargo xtask fuzz [--seconds N]     fuzzes the table parser (nightly Rust and cargo-fuzz)
+
+Examples:
+    cargo xtask test
+    cargo xtask test --only lint
+    cargo xtask firmware test --board m7 stitch
+";
 
 fn main() -> ExitCode {
-    let passed = |result: anyhow::Result<()>| result.map(|()| Outcome::Passed);
-    let result = match Cli::parse().command {
-        Command::Test => passed(steps::run()),
-        Command::Tables(args) => passed(tables::run(&args)),
-        Command::Figures(args) => passed(figures::run(&args)),
-        Command::Fuzz(args) => passed(fuzz::run(&args)),
-        Command::Firmware(args) => firmware::run(args),
-        Command::Aarch64 => firmware::aarch64::run(),
-        Command::Cameras => cameras::run(),
-    };
-    match result {
+    match run() {
         Ok(Outcome::Passed) => ExitCode::SUCCESS,
         Ok(Outcome::Skipped(why)) => {
-            println!("skipped: {why}");
+            println!("{}{why}", xtask::SKIPPED);
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -66,8 +54,58 @@ fn main() -> ExitCode {
     }
 }
 
-/// The repository's top folder.
-fn repository() -> &'static Path {
-    let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
-    xtask.parent().unwrap_or(xtask)
+fn run() -> anyhow::Result<Outcome> {
+    let mut args = Arguments::from_env();
+    if args.contains(["-h", "--help"]) && std::env::args().nth(1).as_deref() != Some("firmware") {
+        print!("{HELP}");
+        return Ok(Outcome::Passed);
+    }
+    let Some(command) = args.subcommand()? else {
+        print!("{HELP}");
+        bail!("which command?");
+    };
+    let outcome = match command.as_str() {
+        "test" => {
+            let options = steps::Options {
+                install: args.contains("--install"),
+                list: args.contains("--list"),
+                all: args.contains("--all"),
+                only: args.opt_value_from_str("--only")?,
+            };
+            end(args)?;
+            return steps::run(&options).map(|()| Outcome::Passed);
+        }
+        "campaign" => {
+            let list = args.contains("--list");
+            let name: Option<String> = args.opt_free_from_str()?;
+            end(args)?;
+            campaign::run(list, name.as_deref())?
+        }
+        "fuzz" => {
+            let seconds = args.opt_value_from_str("--seconds")?;
+            end(args)?;
+            fuzz::run(seconds.unwrap_or(fuzz::SECONDS))?
+        }
+        "aarch64" => {
+            end(args)?;
+            aarch64::run()?
+        }
+        // Their arguments are read where they are used.
+        "tables" | "figures" | "firmware" | "cameras" => {
+            let rest = args.finish();
+            cargo::check(&command, &rest)?;
+            Outcome::Passed
+        }
+        other => bail!("no command `{other}`: `cargo xtask --help` lists them"),
+    };
+    Ok(outcome)
+}
+
+/// Refuses what is left over.
+fn end(args: Arguments) -> anyhow::Result<()> {
+    let rest = args.finish();
+    if !rest.is_empty() {
+        bail!("not understood: {rest:?} (`cargo xtask --help`)");
+    }
+    Ok(())
 }

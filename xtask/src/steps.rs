@@ -1,109 +1,326 @@
 //! `cargo xtask test`: everything that must pass.
 
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use xtask::packages::{
+    AARCH64, BOARD_COMPILER, BOARD_EMULATOR, BROWSER, CAMERA_BUILD, CAMERA_MACHINE,
+};
+use xtask::{Outcome, packages, repository};
 
-use crate::packages::{self, Need};
-use crate::{cameras, figures, firmware, fuzz, repository, tables};
+use crate::cargo::{self, cargo, everything};
+use crate::jobs::{self, Job, Kind};
+use crate::tally::Tally;
+use crate::{aarch64, campaign, fuzz, programs};
 
-/// How a step ended, if not in an error.
-pub enum Outcome {
-    /// All went well.
-    Passed,
-    /// Not possible here; says what is missing.
-    Skipped(String),
+/// Options of `cargo xtask test`.
+#[derive(Debug, Default)]
+pub struct Options {
+    /// Install missing Debian packages.
+    pub install: bool,
+    /// Say what there is, and run nothing.
+    pub list: bool,
+    /// Run on boards and aarch64 even where nothing of theirs has changed.
+    pub all: bool,
+    /// Run one step alone: its name, or that of a job of the last steps.
+    pub only: Option<String>,
 }
 
-type Step = (&'static str, fn() -> anyhow::Result<Outcome>);
+/// Steps and what each proves, in order.
+const STEPS: [(&str, &str); 13] = [
+    (
+        "packages",
+        "Debian packages that the steps need are there, or are named",
+    ),
+    ("format", "all sources are formatted"),
+    (
+        "minimum Rust version",
+        "the promised version of Rust builds the workspace",
+    ),
+    (
+        "lint",
+        "clippy finds nothing, in code and tests, with cameras",
+    ),
+    (
+        "build",
+        "all programs and tests build, once, for all later steps",
+    ),
+    (
+        "tests",
+        "unit, differential, property and snapshot tests, real pictures where they are",
+    ),
+    ("doctests", "examples in the documentation run"),
+    ("documentation", "it builds, and its links lead somewhere"),
+    (
+        "tables",
+        "shipped tables are baked again, the same to the byte",
+    ),
+    ("figures", "README's figures are those measured"),
+    (
+        "firmware",
+        "the core on an emulated M4 (M7, M55 when changed): bytes, counts, stack, size, no panic path",
+    ),
+    (
+        "aarch64",
+        "when changed: tables, core and bake are the same to the byte on an emulated SoC",
+    ),
+    (
+        "cameras",
+        "the program with the kernel's virtual cameras, in an emulated machine",
+    ),
+];
+/// Fuzzing is the last job, where there is a fuzzer.
+const FUZZING: (&str, &str) = ("fuzzing", "ten seconds of fuzzing the table parser");
 
-const STEPS: [Step; 11] = [
-    ("format", format),
-    ("lint", lint),
-    ("minimum Rust version", minimum_rust_version),
-    ("tests", tests),
-    ("documentation", documentation),
-    ("shipped tables", || {
-        passed(tables::run(&tables::Args::default()))
-    }),
-    ("README figures", || {
-        passed(figures::run(&figures::Args::default()))
-    }),
-    ("firmware on emulated boards", firmware::test_all),
-    ("aarch64, emulated", firmware::aarch64::run),
-    ("cameras, emulated", cameras::run),
-    ("fuzzing", fuzzing),
+/// Names of jobs that take longest, so that they begin first.
+const LONGEST: [&str; 7] = [
+    "firmware",
+    "aarch64",
+    "documentation",
+    "host/cli/cli",
+    "host/stitch/lib",
+    "host/calibrate/lib",
+    // After `documentation`, for each locks the target folder.
+    "doctests",
 ];
 
-/// Runs all steps, collects failures, and fails once at the end.
-pub fn run() -> anyhow::Result<()> {
-    let mut lines = Vec::new();
-    let (mut passed, mut failed, mut skipped) = (0, 0, 0);
-    for (name, step) in STEPS {
-        println!("\n== {name}");
-        let start = Instant::now();
-        let verdict = match step() {
-            Ok(Outcome::Passed) => {
-                passed += 1;
-                "passed".to_owned()
-            }
-            Ok(Outcome::Skipped(why)) => {
-                skipped += 1;
-                format!("skipped: {why}")
-            }
-            Err(error) => {
-                failed += 1;
-                format!("FAILED: {error:#}")
-            }
-        };
-        println!("{name}: {verdict}");
-        lines.push(format!(
-            "{:>5.0} s  {name}: {verdict}",
-            start.elapsed().as_secs_f64()
-        ));
+/// Runs the steps, collects failures, and fails once at the end.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    if options.list {
+        for (name, proves) in STEPS.iter().chain([&FUZZING]) {
+            println!("{name:<21} {proves}");
+        }
+        return Ok(());
     }
-    println!(
-        "\n{}\n{passed} passed, {failed} failed, {skipped} skipped",
-        lines.join("\n")
-    );
-    if failed > 0 {
-        bail!("{failed} of {} steps failed", STEPS.len());
+    let mut report = Report::default();
+    let wanted = |name: &str| options.only.as_deref().is_none_or(|only| only == name);
+
+    if wanted("packages") {
+        let allowed = options.install || std::env::var_os("CI").is_some_and(|ci| ci == "true");
+        report.step("packages", || {
+            let needs = [
+                BROWSER,
+                BOARD_COMPILER,
+                BOARD_EMULATOR,
+                AARCH64,
+                CAMERA_BUILD,
+                CAMERA_MACHINE,
+            ];
+            packages::install(&needs.concat(), allowed);
+            Ok(Outcome::Passed)
+        });
     }
-    Ok(())
+    for (name, step) in [
+        ("format", format as fn() -> anyhow::Result<Outcome>),
+        ("minimum Rust version", minimum_rust_version),
+        ("lint", lint),
+    ] {
+        if wanted(name) {
+            report.step(name, step);
+        }
+    }
+    let jobs = report.jobs(options)?;
+    if !jobs.is_empty() {
+        report.beside_each_other(jobs)?;
+    }
+    report.end()
 }
 
-fn passed(result: anyhow::Result<()>) -> anyhow::Result<Outcome> {
-    result.map(|()| Outcome::Passed)
+/// What has been done.
+#[derive(Default)]
+struct Report {
+    lines: Vec<String>,
+    total: Tally,
+    failed: Vec<String>,
+}
+
+impl Report {
+    fn step(&mut self, name: &str, step: impl FnOnce() -> anyhow::Result<Outcome>) {
+        println!("\n== {name}");
+        let start = Instant::now();
+        let outcome = step();
+        let verdict = match &outcome {
+            Ok(Outcome::Passed) => "passed".to_owned(),
+            Ok(Outcome::Skipped(why)) => format!("skipped: {why}"),
+            Err(error) => format!("FAILED: {error:#}"),
+        };
+        println!("{name}: {verdict}");
+        let seconds = start.elapsed().as_secs_f64();
+        self.lines
+            .push(format!("{seconds:>5.0} s  {name}: {verdict}"));
+        self.count(name, Tally::whole(name, &outcome));
+    }
+
+    fn count(&mut self, name: &str, tally: Tally) {
+        if tally.failed > 0 {
+            self.failed.push(name.to_owned());
+        }
+        self.total.add(tally);
+    }
+
+    /// Builds what jobs need; the jobs, or the one that is wanted.
+    fn jobs(&mut self, options: &Options) -> anyhow::Result<Vec<Job>> {
+        let only = options.only.as_deref();
+        let before = ["packages", "format", "minimum Rust version", "lint"];
+        if only.is_some_and(|only| before.contains(&only)) {
+            return Ok(Vec::new());
+        }
+        let mut built = Vec::new();
+        self.step("build", || {
+            println!("all programs and tests of the workspace, in one profile");
+            built = programs::build()?;
+            Ok(Outcome::Passed)
+        });
+        if !self.failed.is_empty() && built.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut jobs: Vec<Job> = built.into_iter().map(test_program).collect();
+        jobs.push(doctests());
+        jobs.push(documentation());
+        jobs.extend(["tables", "figures"].map(|name| check(name, &[])));
+        // Who asks for one of them gets it whole.
+        let is_asked = |name: &str| options.all || only == Some(name);
+        if !is_asked("firmware") && campaign::boards_are_current() {
+            self.unchanged("M7 and M55", "boards");
+            jobs.push(check("firmware", &["test", "--board", "m4"]));
+        } else {
+            jobs.push(check("firmware", &["test"]));
+        }
+        if !is_asked("aarch64") && campaign::aarch64_is_current() {
+            self.unchanged("aarch64", "aarch64");
+        } else if packages::are_there(AARCH64) {
+            jobs.push(Job::new("aarch64", Kind::Tests, aarch64::command()));
+        } else {
+            self.skip("aarch64", packages::advice(AARCH64));
+        }
+        if fuzz::is_possible() {
+            jobs.push(fuzz::job()?);
+        } else {
+            self.skip("fuzzing", fuzz::ADVICE.to_owned());
+        }
+        // Frames come in real time there: it goes before all others.
+        let mut cameras = check("cameras", &[]);
+        cameras.is_urgent = true;
+        jobs.push(cameras);
+        let all = "tests".to_owned();
+        jobs.retain(|job| match only {
+            None => true,
+            Some(only) => only == job.name || (only == all && job.name.contains('/')),
+        });
+        if let Some(only) = only
+            && jobs.is_empty()
+            && only != "build"
+        {
+            bail!("no step or test program `{only}`: `cargo xtask test --list` names the steps");
+        }
+        let rank = |job: &Job| LONGEST.iter().position(|name| *name == job.name);
+        jobs.sort_by_key(|job| rank(job).unwrap_or(LONGEST.len()));
+        Ok(jobs)
+    }
+
+    fn skip(&mut self, name: &str, why: String) {
+        let outcome = Ok(Outcome::Skipped(why));
+        self.count(name, Tally::whole(name, &outcome));
+    }
+
+    /// Says that a campaign has passed on the same sources.
+    fn unchanged(&mut self, what: &str, campaign: &str) {
+        let line = format!("{what}: unchanged since campaign `{campaign}` passed (--all runs it)");
+        println!("{line}");
+        self.lines.push(format!("    0 s  {line}"));
+    }
+
+    fn beside_each_other(&mut self, jobs: Vec<Job>) -> anyhow::Result<()> {
+        println!(
+            "\n== {} jobs, as many at a time as there are processors",
+            jobs.len()
+        );
+        let start = Instant::now();
+        let mut done = jobs::run(jobs)?;
+        done.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+        for job in done {
+            self.lines.push(format!(
+                "{:>5.0} s  {}: {}",
+                job.seconds, job.name, job.tally
+            ));
+            self.count(&job.name, job.tally);
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        self.lines.push(format!("{seconds:>5.0} s  together"));
+        Ok(())
+    }
+
+    fn end(self) -> anyhow::Result<()> {
+        println!("\n{}\n", self.lines.join("\n"));
+        for (name, why) in &self.total.skipped {
+            println!("skipped {name}: {why}");
+        }
+        if self.total.ignored > 0 {
+            println!(
+                "{} tests belong to campaigns: `cargo xtask campaign --list`",
+                self.total.ignored
+            );
+        }
+        let due = campaign::due();
+        if !due.is_empty() {
+            println!(
+                "campaigns whose part has changed since they passed: {}",
+                due.join(", ")
+            );
+        }
+        println!("{}", self.total);
+        if !self.failed.is_empty() {
+            bail!("failed: {}", self.failed.join(", "));
+        }
+        Ok(())
+    }
+}
+
+fn test_program(program: programs::Program) -> Job {
+    Job::new(&program.name, Kind::Tests, program.command())
+}
+
+fn doctests() -> Job {
+    let mut command = cargo(&["test", "--doc"]);
+    command.args(everything());
+    Job::new("doctests", Kind::Tests, command)
+}
+
+fn documentation() -> Job {
+    let mut command = cargo(&["doc", "--no-deps"]);
+    command
+        .args(everything())
+        .env("RUSTDOCFLAGS", "-D warnings");
+    Job::new("documentation", Kind::Check, command)
+}
+
+/// A check of the program with the host crates.
+fn check(name: &str, arguments: &[&str]) -> Job {
+    let mut command = Command::new(cargo::checks());
+    command.arg(name).args(arguments).current_dir(repository());
+    Job::new(name, Kind::Check, command)
 }
 
 fn format() -> anyhow::Result<Outcome> {
-    if !is_there(&["fmt", "--version"]) {
+    if !cargo::succeeds(&mut cargo(&["fmt", "--version"])) {
         return Ok(Outcome::Skipped("rustup component add rustfmt".to_owned()));
     }
-    cargo(&["fmt", "--all", "--check"])?;
-    cargo(&[
-        "fmt",
-        "--all",
-        "--check",
-        "--manifest-path",
-        "firmware-sim/Cargo.toml",
-    ])
+    for manifest in ["Cargo.toml", "firmware-sim/Cargo.toml"] {
+        let arguments = ["fmt", "--all", "--check", "--manifest-path", manifest];
+        cargo::run(&mut cargo(&arguments))?;
+    }
+    Ok(Outcome::Passed)
 }
 
 fn lint() -> anyhow::Result<Outcome> {
-    if !is_there(&["clippy", "--version"]) {
+    if !cargo::succeeds(&mut cargo(&["clippy", "--version"])) {
         return Ok(Outcome::Skipped("rustup component add clippy".to_owned()));
     }
-    cargo(&[
-        "clippy",
-        "--quiet",
-        "--workspace",
-        "--all-targets",
-        "--",
-        "-D",
-        "warnings",
-    ])
+    println!("checks all dependencies, then all code and tests of the workspace");
+    let mut clippy = cargo(&["clippy", "--all-targets"]);
+    cargo::run(clippy.args(everything()).args(["--", "-D", "warnings"]))?;
+    Ok(Outcome::Passed)
 }
 
 /// The version that Cargo.toml promises must build the workspace: either it is the active one, or
@@ -128,68 +345,19 @@ fn minimum_rust_version() -> anyhow::Result<Outcome> {
         return Ok(Outcome::Passed);
     }
     let toolchain = format!("+{promised}");
-    if !is_there(&[&toolchain, "--version"]) {
+    if !cargo::succeeds(&mut cargo(&[&toolchain, "--version"])) {
         let why = format!(
             "rustup toolchain install {promised} (active: {})",
             active.trim()
         );
         return Ok(Outcome::Skipped(why));
     }
-    cargo(&[
+    cargo::run(&mut cargo(&[
         &toolchain,
         "check",
         "--quiet",
         "--workspace",
         "--all-targets",
-    ])
-}
-
-/// For the tests of the preview's page, which say so themselves where it is missing.
-const BROWSER: &[Need] = &[Need {
-    file: "/usr/bin/chromium",
-    package: "chromium",
-}];
-
-fn tests() -> anyhow::Result<Outcome> {
-    packages::ensure(BROWSER, None);
-    cargo(&["test", "--workspace"])
-}
-
-fn documentation() -> anyhow::Result<Outcome> {
-    let mut command = Command::new("cargo");
-    command.env("RUSTDOCFLAGS", "-D warnings");
-    run_cargo(command.args(["doc", "--quiet", "--workspace", "--no-deps"]))
-}
-
-fn fuzzing() -> anyhow::Result<Outcome> {
-    if !fuzz::is_possible() {
-        let why = "nightly Rust and `cargo install cargo-fuzz`; its corpus ran as a test";
-        return Ok(Outcome::Skipped(why.to_owned()));
-    }
-    passed(fuzz::run(&fuzz::Args::default()))
-}
-
-fn is_there(args: &[&str]) -> bool {
-    let mut command = Command::new("cargo");
-    let silent = command
-        .args(args)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
-    silent.status().is_ok_and(|status| status.success())
-}
-
-fn cargo(args: &[&str]) -> anyhow::Result<Outcome> {
-    run_cargo(Command::new("cargo").args(args))
-}
-
-fn run_cargo(command: &mut Command) -> anyhow::Result<Outcome> {
-    let status = command
-        .current_dir(repository())
-        .status()
-        .context("cargo")?;
-    if !status.success() {
-        let args: Vec<_> = command.get_args().map(|a| a.to_string_lossy()).collect();
-        bail!("cargo {}", args.join(" "));
-    }
+    ]))?;
     Ok(Outcome::Passed)
 }

@@ -90,7 +90,7 @@ impl Spot<'_> {
         // SAFETY: `pointer` comes from `data`, moved to a byte of a pixel (or of its right or lower
         // neighbour) that a run of a parsed table shows: `Tables::parse` proved it inside a frame
         // of the size that `Source::new` checked, and `Frame::new` that `data` holds one. Pushed
-        // over each edge by `tests/tests/hostile.rs`, which has the assertion above on.
+        // over each edge by `tests/exact/tests/hostile.rs`, which has the assertion above on.
         u32::from(unsafe { *pointer })
     }
 

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
+use tectum_optics::convention::angle_between;
 use tectum_optics::{OutputMap, Rig};
 use tectum_tables::builder::{RunData, RunsTooLong, TableBuilder};
 use tectum_tables::{TableError, Tables};
@@ -10,16 +11,17 @@ use crate::mesh::{FittedMesh, Targets, fit};
 use crate::metering::meter_pairs;
 use crate::output_map::{from_table, to_table};
 use crate::rays::eye_rays;
+use crate::rows::Weights;
 use crate::scales::ScalesReport;
-use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE, left_weight, row_runs};
+use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE, left_weight};
 use crate::sights::Sights;
 use crate::tone::{ToneError, tone};
 
 /// Steps to try, coarsest first, as powers of two.
-const STEPS_LOG2: [u32; 3] = [5, 4, 3];
+pub(crate) const STEPS_LOG2: [u32; 3] = [5, 4, 3];
 
 /// What to bake.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BakeOptions {
     /// The stitched picture.
     pub output: OutputMap,
@@ -47,6 +49,11 @@ pub struct Report {
     pub step: [Option<u32>; 2],
     /// Distance of the table's source positions from the camera models'.
     pub coordinate_error_px: ErrorSummary,
+    /// Angle between the direction that a pixel stands for and the one that its eye shows there, at
+    /// the stitch distance, degrees: what the rig's local bend costs a look-up in the stitched
+    /// picture. `None` without a bend.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bend_deg: Option<ErrorSummary>,
     /// What luma and chroma curves lose against the rig's curves, if it has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tone_error: Option<ToneError>,
@@ -151,18 +158,13 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     // Traced through the table's own numbers, so that rounding them costs no accuracy.
     let output_map = to_table(&options.output).ok_or(BakeError::OutputMap)?;
     let output = from_table(&output_map, options.output.size_px);
+    let options = &BakeOptions { output, ..*options };
     // A position off by the allowed error and its rounding must still have its whole box.
     let sights = Sights::trace(rig, &output, options.max_error_px + 1.0 / 128.0);
+    let weights = weights(rig, options, &sights);
     let rows = match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
-        Some(seam) => rows(&sights, SEAM_MAP_TOLERANCE, |x, y, [left, right]| {
-            match (left, right) {
-                (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
-                _ => left_weight(left, right, 0.0),
-            }
-        }),
-        None => rows(&sights, RAMP_TOLERANCE, |_, _, [left, right]| {
-            left_weight(left, right, options.feather_rad)
-        }),
+        Some(_) => weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights),
+        None => weights.rows(RAMP_TOLERANCE),
     };
     let [left, right] = meshes(rig, &sights, &rows, options)?;
     if left.is_none() && right.is_none() {
@@ -183,6 +185,7 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
         eye.as_ref()
             .and_then(|eye| eye_rays(eye, rig.stitch_distance_m))
     };
+    let bend_deg = bend_deg(rig, &output, &rows);
     let mut builder = TableBuilder {
         output_size_px: options.output.size_px,
         rig_fingerprint: rig.fingerprint(),
@@ -195,11 +198,12 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
         overlay: None,
         metadata: String::new(),
     };
-    builder.metadata = metadata(rig, options, coordinate_error_px);
+    builder.metadata = metadata(rig, options, coordinate_error_px, bend_deg);
     let bytes = builder.to_bytes()?;
     let tables = Tables::parse(&bytes).map_err(BakeError::Proof)?;
     let report = Report {
         tone_error,
+        bend_deg,
         ..report(&tables, &builder, coordinate_error_px)
     };
     Ok(Baked { bytes, report })
@@ -219,26 +223,18 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// Runs of all rows, within `tolerance`, from the left eye's weight at a pixel, given the angles off
-/// both axes.
-fn rows(
-    sights: &Sights,
-    tolerance: f64,
-    weight: impl Fn(usize, usize, [Option<f64>; 2]) -> Option<f64> + Sync,
-) -> Vec<Vec<RunData>> {
-    sights
-        .pixels
-        .par_chunks_exact(sights.width_px)
-        .enumerate()
-        .map(|(y, row)| {
-            let weights: Vec<Option<f64>> = row
-                .iter()
-                .enumerate()
-                .map(|(x, sights)| weight(x, y, sights.map(|sight| sight.map(|s| s.off_axis_rad))))
-                .collect();
-            row_runs(&weights, tolerance)
-        })
-        .collect()
+/// The left eye's weight at every output pixel: the seam map's, or geometry's if there is none.
+pub(crate) fn weights(rig: &Rig, options: &BakeOptions, sights: &Sights) -> Weights {
+    let output = &options.output;
+    match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
+        Some(seam) => Weights::new(sights, |x, y, [left, right]| match (left, right) {
+            (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
+            _ => left_weight(left, right, 0.0),
+        }),
+        None => Weights::new(sights, |_, _, [left, right]| {
+            left_weight(left, right, options.feather_rad)
+        }),
+    }
 }
 
 /// The coarsest mesh of each eye that meets the error.
@@ -289,7 +285,7 @@ fn coarsest(
 }
 
 /// What one eye shows according to the runs.
-fn targets(sights: &Sights, rows: &[Vec<RunData>], eye: usize) -> Targets {
+pub(crate) fn targets(sights: &Sights, rows: &[Vec<RunData>], eye: usize) -> Targets {
     let mut positions = Vec::with_capacity(sights.pixels.len());
     for (row, sights) in rows.iter().zip(sights.pixels.chunks_exact(sights.width_px)) {
         let mut sights = sights.iter();
@@ -322,10 +318,55 @@ fn total_error(meshes: &[&Option<FittedMesh>]) -> ErrorSummary {
     }
 }
 
-fn metadata(rig: &Rig, options: &BakeOptions, error: ErrorSummary) -> String {
+/// How far the rig's bend moves what is shown, over all shown pixels and eyes; `None` without one.
+fn bend_deg(rig: &Rig, output: &OutputMap, rows: &[Vec<RunData>]) -> Option<ErrorSummary> {
+    let warp = rig.stitching.as_ref()?.warp.as_ref()?;
+    let of_row = |(y, runs): (usize, &Vec<RunData>)| {
+        let (mut max, mut squares, mut count) = (0.0f64, 0.0, 0usize);
+        let mut x = 0;
+        for run in runs {
+            let (len, eyes) = match *run {
+                RunData::Void(len) => (len, 0..0),
+                RunData::Left(len) => (len, 0..1),
+                RunData::Right(len) => (len, 1..2),
+                RunData::Blend(len, _) => (len, 0..2),
+            };
+            let pixels = (x..x + usize::from(len)).filter_map(|x| output.ray(x as f64, y as f64));
+            for (ray, eye) in pixels.flat_map(|ray| eyes.clone().map(move |eye| (ray, eye))) {
+                let by_deg = angle_between(&warp.bent(eye, &ray), &ray).to_degrees();
+                max = max.max(by_deg);
+                squares += by_deg * by_deg;
+                count += 1;
+            }
+            x += usize::from(len);
+        }
+        (max, squares, count)
+    };
+    let (max, squares, count) = rows.par_iter().enumerate().map(of_row).reduce(
+        || (0.0, 0.0, 0),
+        |a, b| (a.0.max(b.0), a.1 + b.1, a.2 + b.2),
+    );
+    Some(ErrorSummary {
+        max,
+        rms: (squares / count.max(1) as f64).sqrt(),
+    })
+}
+
+fn metadata(
+    rig: &Rig,
+    options: &BakeOptions,
+    error: ErrorSummary,
+    bend_deg: Option<ErrorSummary>,
+) -> String {
+    let bend = bend_deg.map_or_else(String::new, |bend| {
+        format!(
+            "bend_deg = {{ max = {:.4}, rms = {:.4} }}\n",
+            bend.max, bend.rms
+        )
+    });
     format!(
         "rig = {:?}\nbaked_by = \"tectum {}\"\nstitch_distance_m = {:?}\nfeather_deg = {:.3}\n\
-         max_error_px = {}\ncoordinate_error_px = {{ max = {:.4}, rms = {:.4} }}\n",
+         max_error_px = {}\ncoordinate_error_px = {{ max = {:.4}, rms = {:.4} }}\n{bend}",
         rig.name,
         env!("CARGO_PKG_VERSION"),
         rig.stitch_distance_m,
@@ -365,6 +406,7 @@ fn report(tables: &Tables<'_>, builder: &TableBuilder, error: ErrorSummary) -> R
         },
         step: meshes.map(|m| m.map(|m| 1 << m.step_log2)),
         coordinate_error_px: error,
+        bend_deg: None,
         tone_error: None,
         scales: None,
         pixels,

@@ -6,13 +6,16 @@
 
 mod bake;
 pub mod convert;
+mod fitted_range;
 mod format;
 pub mod mesh;
+mod mesh_cost;
 mod metering;
 mod output_map;
 mod parallel;
 mod rays;
 pub mod reference;
+mod rows;
 mod scales;
 pub mod seam;
 mod sights;
@@ -20,7 +23,9 @@ mod tone;
 mod verify;
 
 pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
+pub use fitted_range::{FitRangeError, fitted_range};
 pub use format::{Format, Pair, Pass, draw_overlay, stitch, stitch_parallel};
+pub use mesh_cost::mesh_bytes;
 pub use output_map::output_map;
 pub use parallel::stitch_bands;
 pub use scales::{Scales, ScalesError, ScalesReport, scales_svg};

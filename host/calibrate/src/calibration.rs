@@ -104,6 +104,10 @@ pub struct ModelScore {
     pub held_out_rms_px: Option<f64>,
     /// Why the model is out of the choice, if it is.
     pub failure: Option<String>,
+    /// The camera fitted to all pictures, if it is one.
+    pub camera: Option<CameraModel>,
+    /// Whether the calibration's camera is this one.
+    pub chosen: bool,
 }
 
 /// A calibrated camera with all that a report shows.
@@ -117,8 +121,11 @@ pub struct Calibration {
     pub views: Vec<ViewFit>,
     /// 2-D RMS over all corners used, px.
     pub rms_px: f64,
-    /// 2-D RMS over held-out views, px; `None` where there are too few.
+    /// 2-D RMS over held-out views, px, corners that are outliers of the fit to all views left out;
+    /// `None` where there are too few.
     pub held_out_rms_px: Option<f64>,
+    /// The same with every corner found in those views, outliers included.
+    pub held_out_all_rms_px: Option<f64>,
     /// Greatest angle off axis of a corner used, rad.
     pub field_rad: f64,
     /// Intrinsic parameters, in the order of `covariance`.
@@ -136,6 +143,14 @@ impl Calibration {
     pub fn corners_used(&self) -> usize {
         let used = self.views.iter().flat_map(|view| &view.corners);
         used.filter(|corner| corner.used).count()
+    }
+
+    /// 2-D RMS over all corners found, px: outliers and rejected views included, if a pose was found.
+    pub fn all_rms_px(&self) -> f64 {
+        let corners = self.views.iter().flat_map(|view| &view.corners);
+        let squares = corners.map(|c| c.residual_px.iter().map(|r| r * r).sum::<f64>());
+        let finite: Vec<f64> = squares.filter(|square| square.is_finite()).collect();
+        (finite.iter().sum::<f64>() / finite.len().max(1) as f64).sqrt()
     }
 
     /// Views that took part.

@@ -1,11 +1,12 @@
 //! The chessboard detector on real fisheye pictures, whole and partly covered.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use image::{GrayImage, Luma};
 use rayon::prelude::*;
 use tectum_calibrate::detect::chessboard::{BoardMissing, detect};
 use tectum_calibrate::{BoardSize, Corner, View};
+use tectum_test_data::data;
 
 /// Folder, inner corners, boards that must be complete: at least what OpenCV 5's
 /// `findChessboardCorners` finds; and corners in all that must be found.
@@ -22,16 +23,6 @@ const SETS: [(&str, &str, usize, usize); 10] = [
     ("t265-air-underwater/air", "7x5", 24, 874),
     ("t265-air-underwater/underwater", "7x5", 20, 700),
 ];
-
-/// The folder of real pictures; `None`, with a word, where it is absent.
-fn data() -> Option<PathBuf> {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    if data.is_dir() {
-        return Some(data);
-    }
-    println!("skipped: no real pictures in {}", data.display());
-    None
-}
 
 fn pictures(folder: &Path) -> Vec<(String, GrayImage)> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
@@ -67,8 +58,18 @@ fn spacing(view: &View, corner: &Corner) -> f64 {
 
 #[test]
 fn real_boards_are_found_complete() {
-    let Some(data) = data() else { return };
-    for (set, board, boards, corners) in SETS {
+    complete_boards(&SETS[2..3]);
+}
+
+#[test]
+#[ignore = "campaign detection: 200 pictures, a minute"]
+fn all_real_boards_are_found_complete() {
+    complete_boards(&SETS);
+}
+
+fn complete_boards(sets: &[(&str, &str, usize, usize)]) {
+    let Some(data) = data("") else { return };
+    for &(set, board, boards, corners) in sets {
         let board: BoardSize = board.parse().expect("a board");
         let views: Vec<_> = pictures(&data.join(set))
             .par_iter()
@@ -184,12 +185,26 @@ fn consistent(pairs: &[(Corner, Corner)]) -> bool {
 
 #[test]
 fn partly_covered_boards_keep_their_corners() {
-    let Some(data) = data() else { return };
+    partly_covered(&SETS[2..3], 5);
+}
+
+#[test]
+#[ignore = "campaign detection: 13 covers of 70 pictures, two minutes"]
+fn all_partly_covered_boards_keep_their_corners() {
+    // Every third picture: neighbours in a set are alike.
+    partly_covered(&SETS, 3);
+}
+
+/// Covers every `step`th picture of sets in all ways.
+fn partly_covered(sets: &[(&str, &str, usize, usize)], step: usize) {
+    let Some(data) = data("") else { return };
     let mut sums = [0; 5];
-    for (set, board, ..) in SETS {
+    for &(set, board, ..) in sets {
         let board: BoardSize = board.parse().expect("a board");
-        // Every third picture: neighbours in a set are alike.
-        let chosen: Vec<_> = pictures(&data.join(set)).into_iter().step_by(3).collect();
+        let chosen: Vec<_> = pictures(&data.join(set))
+            .into_iter()
+            .step_by(step)
+            .collect();
         let counts: Vec<[usize; 5]> = chosen
             .par_iter()
             .flat_map_iter(|(file, picture)| {
@@ -282,7 +297,7 @@ fn count(name: &str, case: &Covered, truth: &View, board: BoardSize) -> [usize; 
 
 #[test]
 fn pictures_without_a_board_have_none() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("") else { return };
     let board = "8x6".parse().expect("a board");
     let mut looked = 0;
     for set in [

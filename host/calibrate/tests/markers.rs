@@ -6,20 +6,10 @@ use image::GrayImage;
 use serde_json::Value;
 use tectum_calibrate::Dictionary;
 use tectum_calibrate::detect::marker::{MarkerOptions, MarkerView, detect, is_mirrored};
+use tectum_test_data::data as set;
 
 #[path = "markers/fisheye.rs"]
 mod fisheye;
-
-/// The folder of a set of photographs, or a message that it is absent.
-fn set(name: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = root.join(name);
-    if !folder.is_dir() {
-        println!("skipped: {name} is not among the shared data");
-        return None;
-    }
-    Some(folder)
-}
 
 fn open(file: &Path) -> GrayImage {
     let picture = image::open(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
@@ -196,9 +186,18 @@ fn a_mirrored_photograph_is_told() {
 }
 
 #[test]
+fn chessboards_hold_no_marker() {
+    no_marker(&["ocam-vmr"]);
+}
+
+#[test]
+#[ignore = "campaign detection: 50 pictures in three dictionaries, a minute"]
 fn chessboards_and_rooms_hold_no_marker() {
-    let sets = ["ocam-fisheye1", "ocam-vmr", "ocam-ladybug", "gopro-derlunz"];
-    for folder in sets.into_iter().filter_map(set) {
+    no_marker(&["ocam-fisheye1", "ocam-vmr", "ocam-ladybug", "gopro-derlunz"]);
+}
+
+fn no_marker(sets: &[&str]) {
+    for folder in sets.iter().filter_map(|name| set(name)) {
         for file in pictures(&folder) {
             let picture = open(&file);
             for name in ["DICT_4X4_50", "DICT_5X5_100", "DICT_6X6_250"] {

@@ -5,8 +5,13 @@ use tectum_core::{
     Eye, Frame as CoreFrame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Tables, Yuyv,
 };
 
+use tectum_tables::RunKind;
+
 use crate::convert::to_core;
 use crate::{CaptureError, Frame, FrameFormat, Layout, Pair};
+
+/// Luma of black in the limited range of video (ITU-R BT.601).
+const LIMITED_BLACK: u8 = 16;
 
 /// Stitches pairs with one table, on all threads, straight from the frames' own memory where the
 /// core takes their layout.
@@ -50,6 +55,34 @@ impl<'t> LiveStitcher<'t> {
         }
     }
 
+    /// Format of the stitched picture of frames in `frames`: in their range, where luma and chroma
+    /// stay as they are.
+    pub fn output_format(&self, frames: FrameFormat) -> FrameFormat {
+        let layout = Self::output_layout(frames.layout);
+        let keeps_range = matches!(layout, Layout::Grey | Layout::Yuyv);
+        FrameFormat {
+            full_range: frames.full_range || !keeps_range,
+            ..FrameFormat::packed(layout, self.output_size_px())
+        }
+    }
+
+    /// Where no eye sees anything, black as limited range has it.
+    fn limit_void(&mut self, bytes_per_pixel: usize) {
+        let row_bytes = usize::from(self.tables.output_width_px()) * bytes_per_pixel;
+        let rows = (0..self.tables.output_height_px()).zip(self.out.chunks_exact_mut(row_bytes));
+        for (y, row) in rows {
+            for run in self.tables.runs(y) {
+                if !matches!(run.kind, RunKind::Void) {
+                    continue;
+                }
+                let [start, len] = [run.start, run.len].map(|px| px as usize * bytes_per_pixel);
+                for luma in row[start..start + len].iter_mut().step_by(bytes_per_pixel) {
+                    *luma = LIMITED_BLACK;
+                }
+            }
+        }
+    }
+
     /// Stitches a pair; the picture, rows tightly packed, stays until the next call. `None` if a
     /// frame cannot be decoded.
     ///
@@ -81,9 +114,16 @@ impl<'t> LiveStitcher<'t> {
         };
         // A table that does not show an eye reads nothing of its frame.
         let size_px = self.tables.source_size_px(missing).unwrap_or([2, 2]);
-        let format = FrameFormat::packed(layout, size_px);
+        let full_range = self.output_format(there.format).full_range;
+        let format = FrameFormat {
+            full_range,
+            ..FrameFormat::packed(layout, size_px)
+        };
         black.clear();
-        black.resize(format.frame_bytes(), 0);
+        black.resize(
+            format.frame_bytes(),
+            if full_range { 0 } else { LIMITED_BLACK },
+        );
         if layout == Layout::Yuyv {
             black.iter_mut().skip(1).step_by(2).for_each(|c| *c = 128);
         }
@@ -124,6 +164,9 @@ impl<'t> LiveStitcher<'t> {
         self.out.resize(width * height * F::BYTES_PER_PIXEL, 0);
         stitch_bands(self.tables, self.sampler, &left, &right, &mut self.out)
             .map_err(StitchFailure::from)?;
+        if !self.output_format(pair.left.format).full_range {
+            self.limit_void(F::BYTES_PER_PIXEL);
+        }
         Ok(true)
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use image::ImageReader;
 
 use crate::source::{Frame, FrameSource, Next};
-use crate::{CaptureError, FrameFormat, Health, Layout};
+use crate::{CaptureError, FrameFormat, Health, Layout, check_jpeg};
 
 /// The picture files of a folder in the order of their names, or one picture: 8-bit RGB frames, the
 /// n-th at time n. A file that cannot be decoded counts as corrupt.
@@ -31,7 +31,7 @@ impl Pictures {
             let entries = std::fs::read_dir(path).map_err(|e| CaptureError::io(path, e))?;
             let mut files: Vec<PathBuf> = entries
                 .filter_map(|entry| Some(entry.ok()?.path()))
-                .filter(|file| is_picture(file))
+                .filter(|file| is_picture(file) && !is_hidden(file))
                 .collect();
             files.sort();
             files
@@ -58,6 +58,12 @@ impl Pictures {
     }
 }
 
+/// Such as `._1.png`, which macOS writes beside pictures on other file systems.
+fn is_hidden(file: &Path) -> bool {
+    let name = file.file_name().unwrap_or_default();
+    name.as_encoded_bytes().starts_with(b".")
+}
+
 fn is_picture(file: &Path) -> bool {
     let ending = file.extension().unwrap_or_default().to_string_lossy();
     let known = [
@@ -67,10 +73,17 @@ fn is_picture(file: &Path) -> bool {
 }
 
 fn decode(path: &Path) -> Result<image::RgbImage, CaptureError> {
-    let reader = ImageReader::open(path).map_err(|e| CaptureError::io(path, e))?;
-    let reader = reader
+    let bytes = std::fs::read(path).map_err(|e| CaptureError::io(path, e))?;
+    let reader = ImageReader::new(std::io::Cursor::new(&bytes))
         .with_guessed_format()
         .map_err(|e| CaptureError::io(path, e))?;
+    if reader.format() == Some(image::ImageFormat::Jpeg) {
+        // Decoders show what is missing as plain grey.
+        check_jpeg(&bytes).map_err(|damage| CaptureError::File {
+            path: path.to_owned(),
+            why: format!("not a sound JPEG picture: {damage}"),
+        })?;
+    }
     match reader.decode() {
         Ok(picture) => Ok(picture.into_rgb8()),
         Err(error) => Err(CaptureError::File {

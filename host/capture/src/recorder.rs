@@ -216,10 +216,15 @@ impl Recorder {
         let rate = y4m::Ratio::new(frames, seconds);
         // The encoder writes header and frames; the header stands before the first frame alone.
         let mut encoder = y4m::encode(width, height, rate).with_colorspace(colours);
-        if frame.format.full_range {
-            let tag = y4m::VendorExtensionString::new(b"COLORRANGE=FULL".to_vec());
-            encoder = encoder.append_vendor_extension(tag.ok()?);
-        }
+        // What goes through RGB comes out in full range.
+        let is_full = frame.format.full_range || matches!(colours, Colorspace::C444);
+        let range: &[u8] = if is_full {
+            b"COLORRANGE=FULL"
+        } else {
+            b"COLORRANGE=LIMITED"
+        };
+        let tag = y4m::VendorExtensionString::new(range.to_vec());
+        encoder = encoder.append_vendor_extension(tag.ok()?);
         let mut header = Vec::new();
         let write = |encoder: &mut y4m::Encoder<&mut Vec<u8>>| {
             let stamp = || {

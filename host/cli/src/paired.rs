@@ -42,22 +42,27 @@ impl PairArgs {
                 alone: Vec::new(),
             });
         }
-        let [left, right] = [list(&self.left)?, list(&self.right)?];
-        if let ([left], [right]) = (&left[..], &right[..]) {
-            return Ok(Paired {
-                files: vec![[left.clone(), right.clone()]],
-                alone: Vec::new(),
-            });
-        }
-        let pairs = pair_by_name(&left, &right)?;
-        let files = pairs.pairs.iter();
-        Ok(Paired {
-            files: files
-                .map(|[l, r]| [left[*l].clone(), right[*r].clone()])
-                .collect(),
-            alone: pairs.alone,
-        })
+        of_files(&self.left, &self.right)
     }
+}
+
+/// Pairs of pictures of both eyes, or of folders of them.
+pub fn of_files(left: &[PathBuf], right: &[PathBuf]) -> anyhow::Result<Paired> {
+    let [left, right] = [list(left)?, list(right)?];
+    if let ([left], [right]) = (&left[..], &right[..]) {
+        return Ok(Paired {
+            files: vec![[left.clone(), right.clone()]],
+            alone: Vec::new(),
+        });
+    }
+    let pairs = pair_by_name(&left, &right)?;
+    let files = pairs.pairs.iter();
+    Ok(Paired {
+        files: files
+            .map(|[l, r]| [left[*l].clone(), right[*r].clone()])
+            .collect(),
+        alone: pairs.alone,
+    })
 }
 
 /// Both pictures of a shot, of the sizes that the rig's eyes have.

@@ -20,6 +20,11 @@ pub fn load_gray(path: &Path) -> anyhow::Result<GrayImage> {
 
 fn decode(path: &Path) -> anyhow::Result<DynamicImage> {
     let bytes = files::read(path)?;
+    if bytes.starts_with(&[0xff, 0xd8]) {
+        // Decoders show what is missing as plain grey.
+        let checked = tectum_capture::check_jpeg(&bytes);
+        checked.with_context(|| format!("{}: not a sound JPEG picture", path.display()))?;
+    }
     let decoded = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(anyhow::Error::from)

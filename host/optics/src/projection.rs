@@ -47,6 +47,17 @@ pub enum Projection {
     },
 }
 
+/// Ranges of yaw and pitch about a projection's own frame (the body's, or that of
+/// [`Projection::Design`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewRange {
+    /// Yaw of the right and of the left border, rad: positive to the left, ascending, at most a turn
+    /// apart. A range may cross the back, as from 90 to 270 degrees.
+    pub yaw_rad: [f64; 2],
+    /// Pitch of the upper and of the lower border, rad: up is negative, ascending.
+    pub pitch_rad: [f64; 2],
+}
+
 /// Why a projection cannot be had.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ProjectionError {
@@ -60,6 +71,24 @@ pub enum ProjectionError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// A range of yaw or pitch that no picture can show.
+    #[error("the range of {what} from {from_deg} to {to_deg} degrees is not allowed ({allowed})")]
+    Range {
+        /// Which angle.
+        what: &'static str,
+        /// Its first value.
+        from_deg: f64,
+        /// Its second value.
+        to_deg: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A projection about an axis, which has a field instead of ranges.
+    #[error(
+        "ranges of yaw and pitch go with the equirect, cylindrical and design projections: a \
+         fisheye or perspective picture has an axis and a field"
+    )]
+    NoRange,
     /// A width or height of 0.
     #[error("the picture must be at least 1x1 px")]
     Size,
@@ -67,6 +96,13 @@ pub enum ProjectionError {
     #[error("the optical axes are parallel or opposite: no design plane; use another projection")]
     NoDesignPlane,
 }
+
+/// Smallest range of yaw or pitch, rad: far below what any eye resolves, far above rounding.
+const MIN_RANGE_RAD: f64 = 1e-3;
+/// Greatest pitch of a cylinder's border, rad: its rows are tangents.
+const MAX_CYLINDER_PITCH_RAD: f64 = 1.44;
+/// Room for rounding of a limit given in degrees, rad.
+const ROUNDING_RAD: f64 = 1e-9;
 
 /// A projection fitted to a picture: `u = u0 + x du`, `v = v0 + y dv`, then the formula, then the
 /// rotation into the body frame.
@@ -132,7 +168,12 @@ impl Projection {
             Self::Equirect => (ViewFormula::Equirect, identity, TAU, PI),
             Self::Design(rotation) => (ViewFormula::Equirect, rotation, TAU, PI),
             Self::Cylindrical { half_height_rad } => {
-                check("half height", half_height_rad, 1.44, "above 0, below 82.5")?;
+                check(
+                    "half height",
+                    half_height_rad,
+                    MAX_CYLINDER_PITCH_RAD,
+                    "above 0, below 82.5",
+                )?;
                 (
                     ViewFormula::Cylindrical,
                     identity,
@@ -171,6 +212,107 @@ impl Projection {
             v: [(dv - v) / 2.0, dv],
         })
     }
+
+    /// All that the projection can show: a full turn, and every pitch or the cylinder's.
+    ///
+    /// # Errors
+    /// [`ProjectionError::NoRange`] for fisheye and perspective pictures.
+    pub fn whole_range(&self) -> Result<ViewRange, ProjectionError> {
+        use std::f64::consts::{FRAC_PI_2, PI};
+        let pitch_rad = match *self {
+            Self::Equirect | Self::Design(_) => FRAC_PI_2,
+            Self::Cylindrical { half_height_rad } => half_height_rad,
+            Self::Fisheye { .. } | Self::Perspective { .. } => {
+                return Err(ProjectionError::NoRange);
+            }
+        };
+        Ok(ViewRange {
+            yaw_rad: [-PI, PI],
+            pitch_rad: [-pitch_rad, pitch_rad],
+        })
+    }
+
+    /// Fits a part of the projection, bordered by yaw and pitch, to a picture of `size_px`. For a
+    /// cylinder the range of pitch replaces its height.
+    ///
+    /// # Errors
+    /// [`ProjectionError`] if the projection has no ranges, or a range or the size is not allowed.
+    pub fn output_map_of_range(
+        &self,
+        size_px: [u16; 2],
+        range: &ViewRange,
+    ) -> Result<OutputMap, ProjectionError> {
+        use std::f64::consts::{FRAC_PI_2, PI, TAU};
+        if size_px.contains(&0) {
+            return Err(ProjectionError::Size);
+        }
+        self.whole_range()?;
+        let (formula, rotation, max_pitch, allowed) = match *self {
+            Self::Cylindrical { .. } => (
+                ViewFormula::Cylindrical,
+                Rotation3::identity(),
+                MAX_CYLINDER_PITCH_RAD,
+                "ascending, within -82.5 to 82.5, at least 0.06 apart",
+            ),
+            Self::Design(rotation) => (
+                ViewFormula::Equirect,
+                rotation,
+                FRAC_PI_2,
+                "ascending, within -90 to 90, at least 0.06 apart",
+            ),
+            _ => (
+                ViewFormula::Equirect,
+                Rotation3::identity(),
+                FRAC_PI_2,
+                "ascending, within -90 to 90, at least 0.06 apart",
+            ),
+        };
+        let refused = |what, [from, to]: [f64; 2], allowed| ProjectionError::Range {
+            what,
+            from_deg: readable_deg(from),
+            to_deg: readable_deg(to),
+            allowed,
+        };
+        let [right, left] = range.yaw_rad;
+        let inside = |rad: f64, limit: f64| rad.abs() <= limit + ROUNDING_RAD;
+        let turn = MIN_RANGE_RAD..=TAU + ROUNDING_RAD;
+        if !(inside(right, TAU) && inside(left, TAU) && turn.contains(&(left - right))) {
+            return Err(refused(
+                "yaw",
+                range.yaw_rad,
+                "ascending, within -360 to 360, 0.06 to 360 apart",
+            ));
+        }
+        let [top, bottom] = range.pitch_rad;
+        let pitch_fits = inside(top, max_pitch) && inside(bottom, max_pitch);
+        if !(pitch_fits && bottom - top >= MIN_RANGE_RAD) {
+            return Err(refused("pitch", range.pitch_rad, allowed));
+        }
+        // The middle of the range within half a turn: the table's numbers stay small.
+        let middle = (left + right) / 2.0;
+        let back = TAU * libm::round(middle / TAU);
+        let back = if middle.abs() <= PI { 0.0 } else { back };
+        let row = |pitch: f64| match formula {
+            ViewFormula::Cylindrical => libm::tan(pitch),
+            _ => pitch.clamp(-FRAC_PI_2, FRAC_PI_2),
+        };
+        let axis = |from: f64, to: f64, pixels: u16| {
+            let step = (to - from) / f64::from(pixels);
+            [from + step / 2.0, step]
+        };
+        Ok(OutputMap {
+            size_px,
+            formula,
+            rotation,
+            u: axis(back - left, back - right, size_px[0]),
+            v: axis(row(top), row(bottom), size_px[1]),
+        })
+    }
+}
+
+/// Degrees without the last digits that turning them into rad and back leaves.
+fn readable_deg(rad: f64) -> f64 {
+    libm::round(rad.to_degrees() * 1e9) / 1e9
 }
 
 impl OutputMap {
@@ -202,6 +344,26 @@ impl OutputMap {
         Some(self.rotation * view)
     }
 
+    /// Yaw and pitch, in the view frame, of the picture's borders; `None` for fisheye and
+    /// perspective pictures.
+    pub fn range(&self) -> Option<ViewRange> {
+        let borders = |[start, step]: [f64; 2], pixels: u16| {
+            let first = start - step / 2.0;
+            [first, first + step * f64::from(pixels)]
+        };
+        let [left, right] = borders(self.u, self.size_px[0]).map(|u| -u);
+        let rows = borders(self.v, self.size_px[1]);
+        let pitch_rad = match self.formula {
+            ViewFormula::Equirect => rows,
+            ViewFormula::Cylindrical => rows.map(libm::atan),
+            ViewFormula::Fisheye | ViewFormula::Perspective => return None,
+        };
+        Some(ViewRange {
+            yaw_rad: [right, left],
+            pitch_rad,
+        })
+    }
+
     /// Whether the picture is a full turn, so that its left and right border are neighbours.
     pub fn wraps(&self) -> bool {
         let turn = f64::from(self.size_px[0]) * self.u[1];
@@ -228,10 +390,23 @@ impl OutputMap {
             ViewFormula::Perspective if view.x > 0.0 => [-view.y / view.x, -view.z / view.x],
             ViewFormula::Perspective => return None,
         };
-        let position = [(u - self.u[0]) / self.u[1], (v - self.v[0]) / self.v[1]];
+        // A range of yaw may cross the back, where the angle starts anew.
+        let turns: &[f64] = match self.formula {
+            ViewFormula::Equirect | ViewFormula::Cylindrical => {
+                &[0.0, std::f64::consts::TAU, -std::f64::consts::TAU]
+            }
+            ViewFormula::Fisheye | ViewFormula::Perspective => &[0.0],
+        };
         let inside = |p: f64, side: u16| (-0.5..=f64::from(side) - 0.5).contains(&p);
-        (inside(position[0], self.size_px[0]) && inside(position[1], self.size_px[1]))
-            .then_some(position)
+        turns
+            .iter()
+            .map(|turn| {
+                [
+                    (u + turn - self.u[0]) / self.u[1],
+                    (v - self.v[0]) / self.v[1],
+                ]
+            })
+            .find(|[x, y]| inside(*x, self.size_px[0]) && inside(*y, self.size_px[1]))
     }
 }
 
@@ -258,10 +433,118 @@ mod tests {
                 width_rad: 1.7,
             },
         ];
-        projections
+        let parts = [
+            ([-2.3, 2.3], [-1.2, 0.9]),
+            // Across the back, and from a pole.
+            ([1.4, 4.9], [-std::f64::consts::FRAC_PI_2, 0.2]),
+            ([-6.0, -0.5], [-0.1, 1.1]),
+        ];
+        let mut maps: Vec<OutputMap> = projections
             .iter()
             .map(|p| p.output_map([64, 40]).unwrap())
-            .collect()
+            .collect();
+        for (yaw_rad, mut pitch_rad) in parts {
+            for projection in &projections[..3] {
+                if matches!(projection, Projection::Cylindrical { .. }) {
+                    pitch_rad = pitch_rad.map(|rad| rad.max(-1.4));
+                }
+                let range = ViewRange { yaw_rad, pitch_rad };
+                maps.push(projection.output_map_of_range([64, 40], &range).unwrap());
+            }
+        }
+        maps
+    }
+
+    #[test]
+    fn the_whole_range_is_the_whole_picture_to_the_bit() {
+        for projection in [
+            Projection::Equirect,
+            Projection::Design(rotation_vector(&Vector3::new(0.3, -0.8, 1.1))),
+            Projection::Cylindrical {
+                half_height_rad: 1.1,
+            },
+        ] {
+            for size_px in [[640, 320], [123, 77]] {
+                let whole = projection.whole_range().unwrap();
+                let part = projection.output_map_of_range(size_px, &whole).unwrap();
+                assert_eq!(part, projection.output_map(size_px).unwrap());
+                assert!(part.wraps());
+            }
+        }
+    }
+
+    #[test]
+    fn borders_of_a_range_are_borders_of_the_picture() {
+        let deg = |range: [f64; 2]| range.map(f64::to_radians);
+        let range = ViewRange {
+            yaw_rad: deg([90.0, 250.0]),
+            pitch_rad: deg([-60.0, 40.0]),
+        };
+        for projection in [
+            Projection::Equirect,
+            Projection::Cylindrical {
+                half_height_rad: 1.0,
+            },
+        ] {
+            let map = projection.output_map_of_range([320, 200], &range).unwrap();
+            assert!(!map.wraps());
+            let found = map.range().unwrap();
+            for (found, wanted) in [
+                (found.yaw_rad, range.yaw_rad),
+                (found.pitch_rad, range.pitch_rad),
+            ] {
+                for k in 0..2 {
+                    assert!((found[k] - wanted[k]).abs() < 1e-12, "{found:?} {wanted:?}");
+                }
+            }
+            // 250 degrees is -110: on the left border, and 90 on the right one.
+            let at = |yaw: f64| {
+                let direction = crate::convention::direction(yaw.to_radians(), 0.0);
+                map.pixel(&direction).map(|[x, _]| x)
+            };
+            assert!((at(-110.001).unwrap() + 0.5).abs() < 0.01);
+            assert!((at(90.001).unwrap() - 319.5).abs() < 0.01);
+            assert_eq!(at(89.0), None);
+            assert_eq!(at(-109.0), None);
+        }
+    }
+
+    #[test]
+    fn ranges_that_no_picture_can_show_are_refused() {
+        let turn = [-3.0, 3.0];
+        let rows = [-1.0, 1.0];
+        for (yaw_rad, pitch_rad) in [
+            ([1.0, 1.0], rows),
+            ([2.0, -2.0], rows),
+            ([-4.0, 4.0], rows),
+            ([-7.0, -6.0], rows),
+            ([f64::NAN, 1.0], rows),
+            (turn, [0.5, -0.5]),
+            (turn, [-1.6, 0.0]),
+            (turn, [-1.0, f64::INFINITY]),
+        ] {
+            let range = ViewRange { yaw_rad, pitch_rad };
+            let refused = Projection::Equirect.output_map_of_range([64, 32], &range);
+            assert!(
+                matches!(refused, Err(ProjectionError::Range { .. })),
+                "{range:?}"
+            );
+        }
+        let range = ViewRange {
+            yaw_rad: turn,
+            pitch_rad: [-1.5, 1.5],
+        };
+        let cylinder = Projection::Cylindrical {
+            half_height_rad: 1.0,
+        };
+        let refused = cylinder.output_map_of_range([64, 32], &range);
+        assert!(matches!(refused, Err(ProjectionError::Range { .. })));
+        let axis = Projection::Perspective {
+            rotation: Rotation3::identity(),
+            width_rad: 1.0,
+        };
+        let refused = axis.output_map_of_range([64, 32], &range);
+        assert_eq!(refused, Err(ProjectionError::NoRange));
     }
 
     #[test]

@@ -1,8 +1,6 @@
 //! Published calibrations of real cameras: read, written, read again, and compared with what
 //! their authors' own formulas give. Skipped where the pictures' folder is not beside the repo.
 
-use std::path::PathBuf;
-
 use tectum_optics::CameraModel;
 use tectum_optics::camera::{KannalaBrandt, Ocam};
 use tectum_optics::io::kalibr;
@@ -10,14 +8,10 @@ use tectum_optics::io::ocam_calib::OcamCalib;
 use tectum_optics::io::opencv_yaml::{FileStorage, FisheyeCalib};
 use tectum_optics::io::{CalibratedCamera, basalt};
 
-/// Text of a file below the folder of real data; `None`, and a line about it, without the folder.
+/// Text of a file of real data; `None`, and the test is skipped, where there is none.
 fn data(path: &str) -> Option<String> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    if !root.is_dir() {
-        println!("skipped: no real data beside the repository ({path})");
-        return None;
-    }
-    Some(std::fs::read_to_string(root.join(path)).unwrap_or_else(|e| panic!("{path}: {e}")))
+    let file = tectum_test_data::data(path)?;
+    Some(std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{path}: {e}")))
 }
 
 /// Pixel `[row, column]` of the ray `angle_rad` off the axis towards `azimuth_rad` (from the
@@ -90,7 +84,7 @@ fn ocamcalib_files_round_trip_and_agree_with_their_inverse_polynomials() {
         assert!(difference < allowed_px, "{path}: {difference} px");
         // An inverse polynomial fitted here meets the toolbox's bound on every one of them; 0.0001
         // px for points between those that the fit was checked at.
-        let ours = OcamCalib::from_model(&model, calib.size_px);
+        let ours = OcamCalib::from_model(&model, calib.size_px).unwrap();
         let difference = difference_px(&ours, model, half_angle_deg);
         let degree = ours.inverse_polynomial.len() - 1;
         println!("{path}: {difference:.4} px with ours, of degree {degree}");

@@ -16,12 +16,8 @@ fn rig(name: &str) -> Rig {
 }
 
 fn data(path: &str) -> Option<String> {
-    let root = repository().join("../shared/data");
-    if !root.is_dir() {
-        println!("skipped: no real data beside the repository ({path})");
-        return None;
-    }
-    Some(std::fs::read_to_string(root.join(path)).unwrap_or_else(|e| panic!("{path}: {e}")))
+    let file = tectum_test_data::data(path)?;
+    Some(std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{path}: {e}")))
 }
 
 fn eyes(rig: &Rig) -> [&RigEye; 2] {

@@ -15,7 +15,7 @@ use tectum_calibrate::target::Target;
 use tectum_optics::rotation_vector;
 use tectum_stitch::align::{AlignOptions, align};
 use tectum_stitch::colour::match_eyes;
-use tectum_stitch::distance::scene_distance;
+use tectum_stitch::distance::{Toward, scene_distance};
 use tectum_stitch::matching::{Sighting, match_boards};
 use tectum_stitch::registration::{Options, Tie, register};
 use tectum_stitch::seam::band;
@@ -68,7 +68,7 @@ fn main() {
     step(format!("eyes registered: {:.3} px RMS", found.rms_px));
 
     let pairs: Vec<Eyes<&RgbImage>> = shots.iter().map(|shot| shot.each_ref()).collect();
-    let distance = scene_distance(&found.rig, &pairs[..3]).expect("an overlap");
+    let distance = scene_distance(&found.rig, &pairs[..3], Toward::Everywhere).expect("an overlap");
     step(format!(
         "stitch distance sought: {:?} m",
         distance.map(|found| found.distance_m)

@@ -6,10 +6,13 @@
 //! structural similarity is the scene's, if it is better all around and not by chance of one thing.
 
 use image::RgbImage;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
 use tectum_optics::Rig;
+use tectum_optics::convention::yaw_pitch;
 
+use crate::registration::Tie;
 use crate::seam::{Gray, SeamError, band, ssim_map};
 use crate::{Eyes, Views};
 
@@ -20,8 +23,8 @@ const WIDTH_PX: u16 = 512;
 const NEAREST_M: f64 = 0.2;
 /// Eyes nearer together than this have one distance, m.
 const LEAST_BASELINE_M: f64 = 1e-3;
-/// Sectors around the eyes' axis in which gains are counted.
-const SECTORS: usize = 12;
+/// Greatest pitch up and down of what is asked in a range of yaws.
+const MAX_PITCH_RAD: f64 = std::f64::consts::FRAC_PI_4;
 /// Pixels of a sector that count.
 const LEAST_PX: usize = 100;
 /// Sectors of all shots that must be seen.
@@ -49,14 +52,47 @@ pub struct SceneDistance {
     pub tried: Vec<[f64; 2]>,
 }
 
-/// Looks for the distance. `None` if the eyes are in one place, or too little of the overlap shows
-/// in the pictures.
+/// The part of the overlap that is asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Toward {
+    /// All of it, above and below too.
+    Everywhere,
+    /// Yaws from the first (right) to the second (left), rad, between pitches of 45 degrees.
+    Yaws(f64, f64),
+}
+
+impl Toward {
+    /// Straight ahead: 45 degrees to each side.
+    pub const AHEAD: Self = Self::Yaws(-std::f64::consts::FRAC_PI_4, std::f64::consts::FRAC_PI_4);
+
+    fn holds(self, direction: &Vector3<f64>) -> bool {
+        let Self::Yaws(from, to) = self else {
+            return true;
+        };
+        let (yaw, pitch) = yaw_pitch(direction);
+        let past_from = (yaw - from).rem_euclid(std::f64::consts::TAU);
+        pitch.abs() <= MAX_PITCH_RAD && past_from <= to - from
+    }
+
+    /// Sectors around the eyes' axis in which gains are counted.
+    fn sectors(self) -> usize {
+        match self {
+            Self::Everywhere => 12,
+            // A piece of the overlap needs narrow ones, or there would be too few.
+            Self::Yaws(..) => 36,
+        }
+    }
+}
+
+/// Looks for the distance of what lies `toward`. `None` if the eyes are in one place, or too little of
+/// the overlap there shows in the pictures.
 ///
 /// # Errors
 /// [`SeamError`]: the rig's eyes do not overlap.
 pub fn scene_distance(
     rig: &Rig,
     shots: &[Eyes<&RgbImage>],
+    toward: Toward,
 ) -> Result<Option<SceneDistance>, SeamError> {
     let frame = band(rig, WIDTH_PX)?;
     let baseline_m = match (&rig.left, &rig.right) {
@@ -84,12 +120,17 @@ pub fn scene_distance(
         .collect();
     // Similarity of each sector of each shot, at each distance: of pixels seen at all of them.
     let width = usize::from(WIDTH_PX);
+    let asked: Vec<bool> = (0..width * usize::from(frame.size_px[1]))
+        .map(|i| frame.ray((i % width) as f64, (i / width) as f64))
+        .map(|ray| ray.is_some_and(|ray| toward.holds(&ray)))
+        .collect();
+    let count = toward.sectors();
     let mut sectors: Vec<Vec<f64>> = Vec::new();
     for shot in 0..shots.len() {
-        let seen = |i: &usize| by_rig.iter().all(|maps| maps[shot].seen[*i]);
+        let seen = |i: &usize| asked[*i] && by_rig.iter().all(|maps| maps[shot].seen[*i]);
         let always: Vec<usize> = (0..by_rig[0][shot].seen.len()).filter(seen).collect();
-        for sector in 0..SECTORS {
-            let own = |i: &&usize| *i % width * SECTORS / width == sector;
+        for sector in 0..count {
+            let own = |i: &&usize| *i % width * count / width == sector;
             let own: Vec<usize> = always.iter().filter(own).copied().collect();
             if own.len() >= LEAST_PX {
                 let mean = |maps: &Vec<Map>| {
@@ -105,6 +146,25 @@ pub fn scene_distance(
     }
     let inverses: Vec<f64> = rigs.iter().map(|(inverse, _)| *inverse).collect();
     Ok(best(&inverses, &sectors))
+}
+
+/// The median distance, from the body's origin, of points whose ranges are known, as of a board's
+/// corners; m, to three digits. `None` of none.
+pub fn known_distance(rig: &Rig, ties: &[Tie]) -> Option<f64> {
+    let eyes = [rig.left.as_ref()?, rig.right.as_ref()?];
+    let of_tie = |tie: &Tie| {
+        let ranges_m = tie.range.ranges_m()?;
+        let of_eye = |k: usize| {
+            let pixel = [tie.pair.left_px, tie.pair.right_px][k];
+            let ray = eyes[k].pose.rotation * eyes[k].eye.unproject(pixel).ok()?;
+            Some((eyes[k].pose.position_m + ray * ranges_m[k]).norm())
+        };
+        Some((of_eye(0)? + of_eye(1)?) / 2.0)
+    };
+    let mut distances: Vec<f64> = ties.iter().filter_map(of_tie).collect();
+    distances.sort_by(f64::total_cmp);
+    let middle = distances.get(distances.len() / 2)?;
+    Some(three_digits(*middle))
 }
 
 /// The best of what was tried; the first is the rig's own, the others are in order.

@@ -11,19 +11,10 @@ use tectum_calibrate::target::Target;
 use tectum_optics::{Rig, RigEye, vector_of_rotation};
 use tectum_stitch::matching::{Outcome, Refusal, Relative, Sighting, match_boards};
 use tectum_stitch::registration::{Options, Tie, register};
+use tectum_test_data::data as set;
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-/// A set of pictures beside the repository; `None`, with a message, where it is not there.
-fn set(name: &str) -> Option<PathBuf> {
-    let folder = repository().join("../shared/data").join(name);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: the pictures of {name} are not beside this checkout");
-    None
 }
 
 fn open(file: &Path) -> GrayImage {
@@ -156,6 +147,7 @@ fn published(folder: &Path) -> Rig {
 }
 
 #[test]
+#[ignore = "campaign registration: boards of 68 pictures, half a minute"]
 fn a_stereo_pair_is_paired_in_all_shots_and_in_no_other_ones() {
     let Some(folder) = set("stereo-fisheye-opencv") else {
         return;

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use tectum_optics::Rig;
 use tectum_optics::convention::yaw_pitch;
 use tectum_stitch::Eyes;
-use tectum_stitch::distance::scene_distance;
+use tectum_stitch::distance::{Toward, scene_distance};
 
 /// Opposite eyes 12 cm apart.
 fn rig(distance: &str) -> Rig {
@@ -48,7 +48,7 @@ fn the_walls_distance_is_found_whatever_the_rig_says() {
     for (radius_m, said) in [(1.5, "inf"), (1.0, "inf"), (1.5, "0.5"), (400.0, "1.0")] {
         let rig = rig(said);
         let pictures = hall(&rig, radius_m, 60.0);
-        let found = scene_distance(&rig, &[pictures.each_ref()])
+        let found = scene_distance(&rig, &[pictures.each_ref()], Toward::Everywhere)
             .unwrap()
             .unwrap();
         println!(
@@ -67,20 +67,20 @@ fn nothing_is_changed_without_evidence() {
     // The rig is right.
     let right = rig("1.5");
     let pictures = hall(&right, 1.5, 60.0);
-    let found = scene_distance(&right, &[pictures.each_ref()])
+    let found = scene_distance(&right, &[pictures.each_ref()], Toward::Everywhere)
         .unwrap()
         .unwrap();
     assert!(!found.is_clear, "{found:?}");
     // Walls nearer than the overlap can be pushed.
     let far = rig("inf");
     let pictures = hall(&far, 0.6, 60.0);
-    let found = scene_distance(&far, &[pictures.each_ref()])
+    let found = scene_distance(&far, &[pictures.each_ref()], Toward::Everywhere)
         .unwrap()
         .unwrap();
     assert!(!found.is_clear, "{found:?}");
     // Bare walls.
     let pictures = hall(&far, 1.5, 0.0);
-    let found = scene_distance(&far, &[pictures.each_ref()])
+    let found = scene_distance(&far, &[pictures.each_ref()], Toward::Everywhere)
         .unwrap()
         .unwrap();
     assert!(!found.is_clear, "{found:?}");
@@ -88,5 +88,8 @@ fn nothing_is_changed_without_evidence() {
     let text = far.to_toml().unwrap();
     let text = text.replace("60.0", "0.0").replace("-0.0", "0.0");
     let one = Rig::from_toml(&text, "one").unwrap();
-    assert_eq!(scene_distance(&one, &[pictures.each_ref()]), Ok(None));
+    assert_eq!(
+        scene_distance(&one, &[pictures.each_ref()], Toward::Everywhere),
+        Ok(None)
+    );
 }

@@ -1,6 +1,6 @@
 //! Natural features on real pairs, side by side with OpenCV's, and markerless registration.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use image::GrayImage;
 use tectum_optics::Rig;
@@ -13,18 +13,7 @@ use tectum_stitch::epipolar::{
 use tectum_stitch::features::{
     Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features,
 };
-
-/// A folder of the data sets beside a checkout; `None`, with a message, where it is not there.
-fn data(set: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(set);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: the pictures of {set} are not beside this checkout");
-    None
-}
+use tectum_test_data::data;
 
 /// Pairs of cameras of `rig220-sweepnet`, left first.
 const PAIRS: [[usize; 2]; 3] = [[1, 3], [4, 2], [1, 2]];

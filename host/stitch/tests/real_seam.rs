@@ -12,11 +12,9 @@ use tectum_stitch::seam::{Overlap, Quality, Seam, SeamOptions, band};
 #[test]
 fn the_seam_of_a_real_pair_is_hidden_better_than_peers_hide_it() {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let picture = repository.join("../shared/data/dual-fisheye-210/fishcam1.jpg");
-    if !picture.is_file() {
-        println!("skipped: the pictures of dual-fisheye-210 are not beside this checkout");
+    let Some(picture) = tectum_test_data::data("dual-fisheye-210/fishcam1.jpg") else {
         return;
-    }
+    };
     let mut rig = Rig::load(&repository.join("tables/rigs/dual-fisheye-210.toml")).unwrap();
     let picture = image::open(picture).unwrap().into_rgb8();
     let size_px = [2048, 1024];

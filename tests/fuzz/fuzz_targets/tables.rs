@@ -2,7 +2,7 @@
 #![no_main]
 
 // The file itself, not its crate: that one brings the host's crates along, minutes to build here.
-#[path = "../../src/hostile.rs"]
+#[path = "../../exact/src/hostile.rs"]
 mod hostile;
 
 use hostile::parse_and_run;

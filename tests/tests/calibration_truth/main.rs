@@ -1,7 +1,7 @@
 //! Both eyes of the paper's fish, calibrated from pictures of the simulated pool, and the directions that
 //! the core then tells, beside the truth.
 //!
-//! `cargo test -p tectum-tests --test calibration_truth -- --nocapture` prints the figures.
+//! `cargo xtask campaign truth` prints the figures.
 
 mod chain;
 mod fish;
@@ -45,11 +45,13 @@ fn direction_errors_deg(found: &CameraModel, eye: &Eye) -> [[f64; 2]; 2] {
 }
 
 #[test]
+#[ignore = "campaign truth: renders 60 pictures, a minute"]
 fn in_air() {
     eyes_their_relative_pose_and_directions_are_the_true_ones(Medium::Air);
 }
 
 #[test]
+#[ignore = "campaign truth: renders 60 pictures, a minute"]
 fn in_water() {
     eyes_their_relative_pose_and_directions_are_the_true_ones(Medium::default());
 }

@@ -130,19 +130,13 @@ impl<'a> Facts<'a> {
         all.flat_map(|p| &p.sightings).filter(|s| !s.fit.used)
     }
 
-    /// The score of the calibration's own model: of its kind, with its number of parameters, and
-    /// the nearest residual.
+    /// The score of the calibration's own model.
     pub fn chosen(&self) -> Option<&'a ModelScore> {
-        let calibration = self.input.calibration;
-        let plain = |name: &str| name.to_lowercase().replace([' ', '-'], "_");
-        let kind = calibration.model.name();
-        let distance = |score: &ModelScore| (score.rms_px - calibration.rms_px).abs();
-        let candidates = calibration.scores.iter().filter(|score| {
-            score.failure.is_none()
-                && plain(&score.name).starts_with(kind)
-                && score.parameters == calibration.parameters.len()
-        });
-        candidates.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        self.input
+            .calibration
+            .scores
+            .iter()
+            .find(|score| score.chosen)
     }
 
     /// Name of the model chosen.

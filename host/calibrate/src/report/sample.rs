@@ -194,6 +194,8 @@ fn calibration() -> Calibration {
             rms_px,
             held_out_rms_px,
             failure: failure.map(str::to_string),
+            camera: None,
+            chosen: name == "ocam, degree 5",
         },
     );
     let parameters = [
@@ -219,6 +221,7 @@ fn calibration() -> Calibration {
         views: Vec::new(),
         rms_px: f64::NAN,
         held_out_rms_px: Some(0.224),
+        held_out_all_rms_px: Some(0.231),
         field_rad: 0.0,
         covariance: DMatrix::zeros(10, 10),
         parameters: parameters.into(),

@@ -1,11 +1,13 @@
 //! Where a board is, seen by a calibrated camera.
 
+use tectum_optics::CameraModel;
+
 use super::bundle;
 use super::fit::loss;
 use super::lens::from_camera;
 use super::pose;
 use super::sight::Sight;
-use crate::{Board, BoardPose, Calibration, View};
+use crate::{Board, BoardPose, BoardShape, Calibration, View};
 
 /// Steps of the refinement, at most.
 const STEPS: usize = 50;
@@ -19,11 +21,19 @@ pub fn board_pose(
     board: &Board,
     view: &View,
 ) -> Option<(BoardPose, Vec<[f64; 2]>)> {
-    let parameters = calibration.parameters.iter();
-    let names: Vec<_> = parameters.map(|parameter| &*parameter.name).collect();
-    let (lens, p) = from_camera(&calibration.model, &names)?;
+    board_pose_in(&calibration.model, calibration.board_shape, board, view)
+}
+
+/// The same for any camera that can be fitted here, and a board of a given shape.
+pub fn board_pose_in(
+    camera: &CameraModel,
+    shape: Option<BoardShape>,
+    board: &Board,
+    view: &View,
+) -> Option<(BoardPose, Vec<[f64; 2]>)> {
+    let (lens, p) = from_camera(camera, &["affine[1]", "decentring_per_px[0]"])?;
     let mut sight = Sight::new(view, board.size);
-    if let Some(shape) = calibration.board_shape {
+    if let Some(shape) = shape {
         sight = sight.shaped(&shape.to_terms(board.size, board.square_mm));
     }
     if sight.count() < 4 {

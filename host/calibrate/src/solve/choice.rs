@@ -23,6 +23,8 @@ pub struct Candidate<'a> {
     pub fit: Option<Fit>,
     /// Squared residual of each active view when it was held out, px^2 a corner.
     pub held_out: Option<Vec<f64>>,
+    /// 2-D RMS over every corner of the held-out views, outliers included, px.
+    pub held_out_all_rms_px: Option<f64>,
     /// The camera, or why it is none that can be chosen.
     pub camera: Result<CameraModel, String>,
 }
@@ -46,6 +48,7 @@ impl<'a> Candidate<'a> {
             lens,
             fit,
             held_out: None,
+            held_out_all_rms_px: None,
             camera,
         }
     }
@@ -131,6 +134,10 @@ fn hold_out(candidates: &mut [Candidate<'_>]) {
         (Some(fit), Ok(CameraModel::Ocam(_))) => fit.rms_px(c.lens),
         _ => f64::INFINITY,
     };
+    let views = candidates
+        .iter()
+        .filter_map(|c| Some(c.fit.as_ref()?.active().0.len()));
+    let enough = views.max().unwrap_or_default() >= ENOUGH_VIEWS;
     let best: Vec<f64> = candidates
         .iter()
         .map(|candidate| {
@@ -144,23 +151,26 @@ fn hold_out(candidates: &mut [Candidate<'_>]) {
         .zip(best)
         .for_each(|(candidate, best)| {
             let rms = rms(candidate);
-            if rms.is_finite() && rms > STIFF * best {
+            if enough && rms.is_finite() && rms > STIFF * best {
                 candidate.camera = Err(format!("too stiff: {best:.3} px RMS can be had"));
             }
             let fit = candidate.fit.as_ref();
-            candidate.held_out = fit.and_then(|fit| held_out(candidate.lens, fit, false));
+            let judged = fit.and_then(|fit| held_out(candidate.lens, fit, false));
+            let (each, all) = judged.unzip();
+            (candidate.held_out, candidate.held_out_all_rms_px) = (each, all);
         });
 }
 
-/// Mean squared residual of each view with a lens, and perhaps a shape of the board, from the other
-/// folds' views; `None` where there are too few views or a fit fails.
-pub fn held_out(lens: &dyn Lens, fit: &Fit, free_shape: bool) -> Option<Vec<f64>> {
+/// Mean squared residual of each view's corners in use with a lens, and perhaps a shape of the board,
+/// from the other folds' views, and the RMS over all their corners, outliers included; `None` where
+/// there are too few views or a fit fails.
+pub fn held_out(lens: &dyn Lens, fit: &Fit, free_shape: bool) -> Option<(Vec<f64>, f64)> {
     let (sights, poses) = fit.active();
     if sights.len() < MIN_VIEWS {
         return None;
     }
     let folds = sights.len().min(FOLDS);
-    let of_fold = |fold: usize| -> Option<Vec<(usize, f64)>> {
+    let of_fold = |fold: usize| -> Option<Vec<(usize, f64, [f64; 2])>> {
         let pick = |out: bool| -> (Vec<Sight>, Vec<Pose>) {
             let all = sights.iter().zip(&poses).enumerate();
             all.filter(|(i, _)| (i % folds == fold) == out)
@@ -183,37 +193,107 @@ pub fn held_out(lens: &dyn Lens, fit: &Fit, free_shape: bool) -> Option<Vec<f64>
             let pose = refine_pose(lens, &state.lens, start, &sight, fit.loss(), 30).0;
             let one = std::slice::from_ref(&sight);
             let (sum, count) = square_sum(lens, &state.lens, one, &[pose]);
-            (fold + k * folds, sum / count as f64)
+            let mut all = sight;
+            all.targets.iter_mut().for_each(|target| target.used = true);
+            let (all, corners) = square_sum(lens, &state.lens, &[all], &[pose]);
+            (fold + k * folds, sum / count as f64, [all, corners as f64])
         });
         Some(errors.collect())
     };
-    let folds: Option<Vec<Vec<(usize, f64)>>> = (0..folds).into_par_iter().map(of_fold).collect();
-    let mut all: Vec<(usize, f64)> = folds?.into_iter().flatten().collect();
-    all.sort_by_key(|(view, _)| *view);
-    Some(all.into_iter().map(|(_, error)| error).collect())
+    let folds: Option<Vec<_>> = (0..folds).into_par_iter().map(of_fold).collect();
+    let mut all: Vec<_> = folds?.into_iter().flatten().collect();
+    all.sort_by_key(|(view, ..)| *view);
+    let sums = all.iter().fold([0.0; 2], |sum, (.., [square, corners])| {
+        [sum[0] + square, sum[1] + corners]
+    });
+    let each = all.into_iter().map(|(_, error, _)| error).collect();
+    Some((each, (sums[0] / sums[1]).sqrt()))
 }
 
-/// Index of the candidate that the result is made of: for the polynomial the simplest one that is
-/// not significantly worse than the best, or not by a margin that matters, after the
-/// one-standard-error rule (Breiman et al. 1984). Candidates come simplest first.
-pub fn choose(candidates: &[Candidate<'_>], model: Model) -> Option<usize> {
-    let wanted: Vec<usize> = (0..candidates.len())
-        .filter(|i| {
-            candidates[*i]
-                .camera
-                .as_ref()
-                .is_ok_and(|camera| is(camera, model))
-        })
-        .collect();
+/// From this many views on, held-out residuals and their scatter decide alone. With fewer, a single
+/// view that reaches farther out than the others decides what they say.
+const ENOUGH_VIEWS: usize = 12;
+/// What a view's corners say about a parameter of the lens is what this many independent ones would:
+/// on subsets of 4 to 12 views of real sets 2 to 6 do equally well.
+const INDEPENDENT_A_VIEW: f64 = 4.0;
+/// Weight of held-out residuals beside those of the fit, with few views.
+const HELD_OUT_WEIGHT: f64 = 0.75;
+
+/// Index of the candidate that the result is made of; `None` if there is none of the model wanted.
+/// Candidates come simplest first.
+pub fn choose(candidates: &[Candidate<'_>], model: Option<Model>) -> Option<usize> {
+    let wanted = |model: Option<Model>| -> Vec<usize> {
+        let wanted = |i: &usize| {
+            let camera = candidates[*i].camera.as_ref();
+            camera.is_ok_and(|camera| model.is_none_or(|model| is(camera, model)))
+        };
+        (0..candidates.len()).filter(wanted).collect()
+    };
+    let all = wanted(model);
+    let views = all.iter().filter_map(|i| candidates[*i].held_out.as_ref());
+    match views.map(Vec::len).max() {
+        // Too few views to hold any out: what OCamCalib takes, or the simplest.
+        None => {
+            let usual = |i: &&usize| candidates[**i].lens.count() >= FEW_VIEWS_PARAMETERS;
+            all.iter().find(usual).or(all.last()).copied()
+        }
+        Some(views) if views < ENOUGH_VIEWS => {
+            let least = all.iter().min_by(|a, b| {
+                let [a, b] = [a, b].map(|i| criterion(&candidates[**i], views));
+                a.total_cmp(&b)
+            });
+            least.copied()
+        }
+        Some(_) => {
+            let polynomial = simplest(candidates, wanted(Some(Model::Ocam)));
+            match (model, polynomial) {
+                (Some(Model::Ocam), _) => polynomial,
+                (Some(_), _) => simplest(candidates, all),
+                (None, None) => simplest(candidates, all),
+                (None, Some(polynomial)) => Some(better_family(candidates, all, polynomial)),
+            }
+        }
+    }
+}
+
+/// What few views say against a candidate: the logarithm of its mean squared residual, of held-out
+/// views and of its own, the latter with Akaike's (1974) charge for parameters.
+fn criterion(candidate: &Candidate<'_>, views: usize) -> f64 {
+    let (Some(fit), Some(held_out)) = (&candidate.fit, candidate.held_out_rms_px()) else {
+        return f64::INFINITY;
+    };
+    let charge = 2.0 * candidate.lens.count() as f64 / (INDEPENDENT_A_VIEW * views as f64);
+    let own = 2.0 * libm::log(fit.rms_px(candidate.lens)) + charge;
+    let score = HELD_OUT_WEIGHT * 2.0 * libm::log(held_out) + (1.0 - HELD_OUT_WEIGHT) * own;
+    if score.is_nan() { f64::INFINITY } else { score }
+}
+
+/// The polynomial, unless another family predicts held-out views surely better.
+fn better_family(candidates: &[Candidate<'_>], all: Vec<usize>, polynomial: usize) -> usize {
+    let Some(own) = &candidates[polynomial].held_out else {
+        return polynomial;
+    };
+    let others = all.into_iter().filter(|i| {
+        let other = candidates[*i].lens.kind() == Kind::Other;
+        other
+            && candidates[*i].held_out.as_ref().is_some_and(|errors| {
+                let (gain, error) = excess(own, errors);
+                gain > EXTRA * error
+            })
+    });
+    let score = |i: usize| candidates[i].held_out_rms_px().unwrap_or(f64::INFINITY);
+    let best = others.min_by(|a, b| score(*a).total_cmp(&score(*b)));
+    best.unwrap_or(polynomial)
+}
+
+/// The simplest candidate that is not significantly worse than the best, or not by a margin that
+/// matters, after the one-standard-error rule (Breiman et al. 1984).
+fn simplest(candidates: &[Candidate<'_>], wanted: Vec<usize>) -> Option<usize> {
     let wanted = without_idle_extras(candidates, wanted);
     let score = |i: &usize| candidates[*i].held_out_rms_px().unwrap_or(f64::INFINITY);
     let best = *wanted.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
     let Some(least) = &candidates[best].held_out else {
-        // Too few views to hold any out: what OCamCalib takes, or the simplest.
-        let default = wanted
-            .iter()
-            .find(|i| candidates[**i].lens.count() >= FEW_VIEWS_PARAMETERS);
-        return default.or(wanted.last()).copied();
+        return Some(best);
     };
     let good = wanted.iter().find(|i| {
         let Some(errors) = &candidates[**i].held_out else {

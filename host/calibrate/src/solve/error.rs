@@ -101,6 +101,17 @@ pub enum CalibrateError {
         /// Views given.
         given: usize,
     },
+    /// Every model that was fitted is refused.
+    #[error(
+        "none of the lens models that were fitted holds over the corners. {}. Give the radius of the \
+         image circle if it is known, another model or degree, or add pictures with the board near the \
+         rim",
+        .refused.join("; ")
+    )]
+    NoModel {
+        /// Each model and why it is refused.
+        refused: Vec<String>,
+    },
     /// The corners leave a parameter of the lens open.
     #[error(
         "the corners do not fix the lens: add pictures with the board tilted, and near the rim"

@@ -7,17 +7,18 @@ use super::choice::Candidate;
 use super::fit::{Fit, MIN_CORNERS, Part, square_sum};
 use super::lens::Lens;
 use super::sight::Sight;
-use super::{CalibrateError, Problem, check, pose};
+use super::{AngularUncertainty, CalibrateError, Problem, check, pose};
 use crate::Calibration;
 use crate::board_shape::{BoardShape, Terms};
 use crate::calibration::{CornerFit, ModelScore, Parameter, Rejection, ViewFit};
 
-/// Relative standard error of a scale in the picture (focal length, a0) beyond which the corners
-/// are said not to fix the lens.
-const WORST_SCALE_ERROR: f64 = 0.03;
-/// Noise that is reckoned with at least when the corners are judged, px: exact corners of parallel
-/// boards are still no good.
-const LEAST_NOISE_PX: f64 = 0.05;
+/// Standard error of directions over their angle off axis, as root mean squares over the corners and
+/// with the best common rotation taken off, beyond which the corners are said not to fix the lens: a
+/// focal length that is open by this share. Where the middle of the picture is hidden, as it is in a
+/// mirror, `a0` alone may be open and every direction that is seen be known.
+const MAX_RELATIVE_ERROR: f64 = 0.03;
+/// Least noise that the corners are judged with, px: exact corners of parallel boards fix no lens either.
+const MIN_NOISE_PX: f64 = 0.05;
 /// Normals closer than this to their mean are parallel, rad.
 const PARALLEL_RAD: f64 = 0.1;
 
@@ -41,20 +42,63 @@ pub fn calibration(
         standard_error: covariance[(k, k)].sqrt(),
     });
     let views = views(problem, sights, lens, fit);
-    Ok(Calibration {
+    let (sights_used, poses) = fit.active();
+    let (sum, count) = square_sum(lens, &fit.p, &sights_used, &poses);
+    let noise_px = (sum / (2 * count.max(1)) as f64).sqrt();
+    let scores = candidates.iter().enumerate();
+    let scores = scores.map(|(k, candidate)| score(candidate, k == chosen));
+    let calibration = Calibration {
         size_px: problem.size_px,
         model: model.clone(),
         rms_px: fit.rms_px(lens),
         held_out_rms_px: candidate.held_out_rms_px(),
+        held_out_all_rms_px: candidate.held_out_all_rms_px,
         field_rad: field_rad(lens, fit),
         parameters: parameters.collect(),
         covariance,
-        scores: candidates.iter().map(score).collect(),
+        scores: scores.collect(),
         board_shape: is_shaped(fit).then(|| {
             BoardShape::from_terms(&fit.shape, problem.board.size, problem.board.square_mm)
         }),
         views,
-    })
+    };
+    let floor = (MIN_NOISE_PX / noise_px).max(1.0);
+    match relative_error(&calibration, &sights_used) {
+        Some(error) if error * floor <= MAX_RELATIVE_ERROR => Ok(calibration),
+        _ => Err(degenerate(fit)),
+    }
+}
+
+/// Standard error of directions over their angle off axis, as root mean squares over the corners in
+/// use, the best common rotation taken off.
+fn relative_error(calibration: &Calibration, sights: &[Sight]) -> Option<f64> {
+    let uncertainty = AngularUncertainty::new(calibration)?;
+    let (mut errors, mut angles) = (0.0, 0.0);
+    for target in sights.iter().flat_map(Sight::used) {
+        let pixel = target.pixel.into();
+        // A corner just outside the lens's radius says nothing.
+        let Ok(ray) = calibration.model.unproject(pixel) else {
+            continue;
+        };
+        let sigma = uncertainty.rotation_free_sigma_rad(pixel)?;
+        let angle = libm::atan2(libm::hypot(ray.x, ray.y), ray.z);
+        errors += sigma * sigma;
+        angles += angle * angle;
+    }
+    let share = (errors / angles).sqrt();
+    share.is_finite().then_some(share)
+}
+
+/// Why corners fix no lens.
+fn degenerate(fit: &Fit) -> CalibrateError {
+    let spread_rad = check::normal_spread_rad(fit);
+    if spread_rad < PARALLEL_RAD {
+        CalibrateError::Parallel {
+            spread_deg: spread_rad.to_degrees(),
+        }
+    } else {
+        CalibrateError::Singular
+    }
 }
 
 /// Whether the board was found to be other than flat and square.
@@ -62,7 +106,7 @@ fn is_shaped(fit: &Fit) -> bool {
     fit.shape != Terms::zeros()
 }
 
-fn score(candidate: &Candidate<'_>) -> ModelScore {
+fn score(candidate: &Candidate<'_>, chosen: bool) -> ModelScore {
     let fit = candidate.fit.as_ref();
     ModelScore {
         name: candidate.lens.name(),
@@ -70,6 +114,8 @@ fn score(candidate: &Candidate<'_>) -> ModelScore {
         rms_px: fit.map_or(f64::INFINITY, |fit| fit.rms_px(candidate.lens)),
         held_out_rms_px: candidate.held_out_rms_px(),
         failure: candidate.camera.as_ref().err().cloned(),
+        camera: candidate.camera.as_ref().ok().cloned(),
+        chosen,
     }
 }
 
@@ -91,16 +137,7 @@ fn covariance(lens: &dyn Lens, fit: &Fit) -> Result<DMatrix<f64>, CalibrateError
         shape: Terms::zeros(),
         cost: 0.0,
     };
-    let spread_rad = check::normal_spread_rad(fit);
-    let degenerate = || {
-        if spread_rad < PARALLEL_RAD {
-            CalibrateError::Parallel {
-                spread_deg: spread_rad.to_degrees(),
-            }
-        } else {
-            CalibrateError::Singular
-        }
-    };
+    let degenerate = || degenerate(fit);
     let freedom = (2 * count)
         .checked_sub(unknowns)
         .filter(|freedom| *freedom > 0);
@@ -108,15 +145,6 @@ fn covariance(lens: &dyn Lens, fit: &Fit) -> Result<DMatrix<f64>, CalibrateError
     let cofactors = bundle.cofactors(&state).ok_or_else(degenerate)?;
     let variance = sum / freedom as f64;
     let names = lens.describe();
-    let is_scale = |name: &str| name == "polynomial[0]" || name.starts_with("focal_px");
-    let doubtful = names.iter().enumerate().any(|(k, (name, _))| {
-        let noise = variance.sqrt().max(LEAST_NOISE_PX);
-        let error = noise * cofactors[(k, k)].sqrt() / fit.p[k].abs();
-        is_scale(name) && (error.is_nan() || error > WORST_SCALE_ERROR)
-    });
-    if doubtful {
-        return Err(degenerate());
-    }
     Ok(DMatrix::from_fn(names.len(), names.len(), |a, b| {
         cofactors[(a, b)] * variance * names[a].1 * names[b].1
     }))

@@ -24,7 +24,7 @@ mod tests;
 use crate::board_shape::Terms;
 use crate::{Board, Calibration, View};
 pub use angular::AngularUncertainty;
-pub use board_pose::board_pose;
+pub use board_pose::{board_pose, board_pose_in};
 pub use error::CalibrateError;
 use fit::{Fit, MIN_CORNERS, Part};
 use lens::{DoubleSphereLens, KannalaBrandtLens, Lens, OcamLens};
@@ -62,8 +62,9 @@ pub enum Model {
 /// What is wanted of a calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Model of the result; the others are scored beside it.
-    pub model: Model,
+    /// Model of the result, the others are scored beside it; `None`: whichever predicts pictures
+    /// held out best.
+    pub model: Option<Model>,
     /// Degree of the polynomial, 2 to 11; `None`: chosen on held-out views.
     pub degree: Option<usize>,
     /// Radius of the lens's image circle about its centre, px: the polynomial must be a lens up to
@@ -79,7 +80,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            model: Model::Ocam,
+            model: None,
             degree: None,
             image_circle_px: None,
             decentring: true,
@@ -134,21 +135,38 @@ pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, Ca
     let judged = |base: &Fit| choice::judged(&plain, &lens, base, problem.size_px, options);
     let mut base = base;
     let mut candidates = judged(&base);
-    let mut best = choice::choose(&candidates, Model::Ocam);
+    let mut best = choice::choose(&candidates, Some(Model::Ocam));
     if best.is_some_and(|best| shape::is_seen(&candidates[best]))
         && let Some(shaped) = shape::shaped(&lens, &base)
     {
         base = shaped;
         candidates = judged(&base);
-        best = choice::choose(&candidates, Model::Ocam);
+        best = choice::choose(&candidates, Some(Model::Ocam));
     }
     let refined = best.map(|best| refinements(&lens, candidates[best].lens, options));
     let refined = refined.unwrap_or_default();
     let refined = choice::judged(&refined, &lens, &base, problem.size_px, options);
     candidates.extend(refined);
     candidates.sort_by_key(|candidate| candidate.lens.count());
-    let chosen = choice::choose(&candidates, options.model).ok_or(CalibrateError::Singular)?;
+    let Some(chosen) = choice::choose(&candidates, options.model) else {
+        return Err(no_model(&candidates));
+    };
     finish::calibration(problem, sights, &candidates, chosen)
+}
+
+/// Why each candidate is refused.
+fn no_model(candidates: &[choice::Candidate<'_>]) -> CalibrateError {
+    let refused = candidates.iter().map(|candidate| {
+        let why = candidate.camera.as_ref().err();
+        format!(
+            "{}: {}",
+            candidate.lens.name(),
+            why.map_or("not wanted", |why| why)
+        )
+    });
+    CalibrateError::NoModel {
+        refused: refused.collect(),
+    }
 }
 
 /// A fit with a flexible polynomial, bad corners and views marked.

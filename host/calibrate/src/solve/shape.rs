@@ -21,7 +21,7 @@ pub fn is_seen(flat: &Candidate<'_>) -> bool {
     if plain.len() < MIN_VIEWS {
         return false;
     }
-    let Some(shaped) = held_out(flat.lens, fit, true) else {
+    let Some((shaped, _)) = held_out(flat.lens, fit, true) else {
         return false;
     };
     let (gain, error) = excess(plain, &shaped);

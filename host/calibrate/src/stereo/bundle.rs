@@ -193,15 +193,18 @@ struct Normal {
     reduced: DMatrix<f64>,
     gradient: DVector<f64>,
     boards: Vec<(DMatrix<f64>, Matrix6<f64>, Vector6<f64>)>,
+    /// By board: its share of `gradient`.
+    shares: Vec<DVector<f64>>,
 }
 
 fn normal(eyes: &[Eye; 2], state: &State, damping: f64) -> Option<Normal> {
     let offsets = [0, state.p[0].len()];
     let common = state.p[0].len() + state.p[1].len();
     let n = common + 6;
-    let (mut full, mut gradient) = (DMatrix::zeros(n, n), DVector::zeros(n));
-    let mut boards = Vec::new();
+    let mut full = DMatrix::zeros(n, n);
+    let (mut boards, mut shares) = (Vec::new(), Vec::new());
     for board in &state.boards {
+        let mut gradient = DVector::zeros(n);
         let mut mixed = DMatrix::zeros(n, 6);
         let (mut own, mut own_gradient) = (Matrix6::zeros(), Vector6::zeros());
         for row in rows(eyes, state, board).into_iter().flatten() {
@@ -227,19 +230,23 @@ fn normal(eyes: &[Eye; 2], state: &State, damping: f64) -> Option<Normal> {
             own[(k, k)] *= 1.0 + damping;
         }
         boards.push((mixed, own.cholesky()?.inverse(), own_gradient));
+        shares.push(gradient);
     }
     for k in 0..n {
         full[(k, k)] *= 1.0 + damping;
     }
-    for (mixed, inverse, own_gradient) in &boards {
+    let mut gradient = DVector::zeros(n);
+    for ((mixed, inverse, own_gradient), share) in boards.iter().zip(&mut shares) {
         let carried = mixed * inverse;
         full -= &carried * mixed.transpose();
-        gradient -= &carried * own_gradient;
+        *share -= &carried * own_gradient;
+        gradient += &*share;
     }
     Some(Normal {
         reduced: full,
         gradient,
         boards,
+        shares,
     })
 }
 
@@ -274,17 +281,17 @@ fn stepped(eyes: &[Eye; 2], state: &State, damping: f64) -> Option<State> {
 /// Refines all from the eyes' own calibrations, the relative pose right <- left and how the boards
 /// are read. `None` if the corners fix nothing.
 pub fn refine(
-    eyes: [Eye; 2],
+    eyes: &[Eye; 2],
     relative: Pose,
     readings: &[Option<Pose>],
 ) -> Option<StereoCalibration> {
-    let mut state = start(&eyes, relative, readings);
-    let (mut least, mut damping) = (cost(&eyes, &state), 1e-3);
+    let mut state = start(eyes, relative, readings);
+    let (mut least, mut damping) = (cost(eyes, &state), 1e-3);
     for _ in 0..60 {
         let before = least;
         while damping < 1e10 {
-            let next = stepped(&eyes, &state, damping);
-            let next = next.map(|next| (cost(&eyes, &next), next));
+            let next = stepped(eyes, &state, damping);
+            let next = next.map(|next| (cost(eyes, &next), next));
             if let Some((cost, next)) = next.filter(|(cost, _)| *cost < least) {
                 (least, state) = (cost, next);
                 damping = f64::max(damping * 0.1, 1e-12);
@@ -296,7 +303,7 @@ pub fn refine(
             break;
         }
     }
-    finish(&eyes, &state)
+    finish(eyes, &state)
 }
 
 fn start(eyes: &[Eye; 2], relative: Pose, readings: &[Option<Pose>]) -> State {
@@ -326,6 +333,29 @@ fn start(eyes: &[Eye; 2], relative: Pose, readings: &[Option<Pose>]) -> State {
     }
 }
 
+/// A covariance no smaller than what the boards' disagreement with each other implies: errors that a
+/// board's corners share (it moved, its eyes' clocks differ, it is bent) do not average out over its
+/// corners, only over boards. Each board is a cluster of the sandwich estimator (Liang & Zeger 1986).
+fn widened(
+    covariance: DMatrix<f64>,
+    cofactors: &DMatrix<f64>,
+    shares: &[DVector<f64>],
+    tied: usize,
+) -> DMatrix<f64> {
+    let n = covariance.nrows();
+    let mut scatter = DMatrix::zeros(n, n);
+    for share in shares {
+        scatter += share * share.transpose();
+    }
+    // The boards that tie the eyes share the freedom that the relative pose takes.
+    let few = tied as f64 / (tied as f64 - 2.0).max(1.0);
+    let clustered = cofactors * scatter * cofactors * few;
+    let factors: Vec<f64> = (0..n)
+        .map(|k| (clustered[(k, k)] / covariance[(k, k)]).max(1.0).sqrt())
+        .collect();
+    DMatrix::from_fn(n, n, |a, b| covariance[(a, b)] * factors[a] * factors[b])
+}
+
 fn finish(eyes: &[Eye; 2], state: &State) -> Option<StereoCalibration> {
     let (mut whitened, mut sum, mut corners) = (0.0, 0.0, 0usize);
     let mut pairs_rms_px = vec![None; eyes[0].poses.len()];
@@ -345,8 +375,11 @@ fn finish(eyes: &[Eye; 2], state: &State) -> Option<StereoCalibration> {
     let [left, right] = [0, 1].map(|eye: usize| state.p[eye].len());
     let unknowns = left + right + 6 + 6 * state.boards.len();
     let freedom = (2 * corners).checked_sub(unknowns).filter(|n| *n > 0)?;
-    let covariance = scaled_inverse(&normal(eyes, state, 0.0)?.reduced)?;
-    let covariance = covariance * (whitened / freedom as f64);
+    let normal = normal(eyes, state, 0.0)?;
+    let cofactors = scaled_inverse(&normal.reduced)?;
+    let covariance = &cofactors * (whitened / freedom as f64);
+    let tied = state.boards.iter().filter(|board| board.reading.is_some());
+    let covariance = widened(covariance, &cofactors, &normal.shares, tied.count());
     let square_mm = eyes[0].square_mm;
     // Left <- right: R^T and -R^T t; a turn w and a shift s of right <- left turn it by -R^T w and
     // move its position by -R^T (t x w) - R^T s.
@@ -387,6 +420,8 @@ fn finish(eyes: &[Eye; 2], state: &State) -> Option<StereoCalibration> {
         right: camera(1)?,
         parameters,
         pairs_rms_px,
+        left_out: Vec::new(),
+        alone_rms_px: 0.0,
         rms_px: (sum / corners as f64).sqrt(),
     })
 }

@@ -37,14 +37,41 @@ pub struct StereoCalibration {
     pub parameters: [Vec<Parameter>; 2],
     /// By pair of pictures: 2-D RMS over both, px, if the board ties the eyes together.
     pub pairs_rms_px: Vec<Option<f64>>,
+    /// Pairs that both eyes see and that tie nothing: between the two pictures the board moved, or
+    /// one of them is not what its eye's other pictures say.
+    pub left_out: Vec<PairLeftOut>,
+    /// 2-D RMS of the same corners when each eye is calibrated alone, px.
+    pub alone_rms_px: f64,
     /// 2-D RMS over all corners of both eyes, px.
     pub rms_px: f64,
 }
+
+/// A pair of pictures that disagrees with the others about where the eyes are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairLeftOut {
+    /// Index of the pair.
+    pub pair: usize,
+    /// 2-D RMS over both pictures with one board for both eyes, px; `None` where the eyes' own poses
+    /// already disagree beyond a refinement.
+    pub rms_px: Option<f64>,
+    /// The same with a board of its own for each eye, px.
+    pub alone_rms_px: f64,
+}
+
+/// Joint over single residuals above which the pairs do not fit each other.
+const ALIKE: f64 = 1.3;
 
 impl StereoCalibration {
     /// Length of the line between the eyes, mm.
     pub fn baseline_mm(&self) -> f64 {
         self.position_mm.norm()
+    }
+
+    /// Joint over single residual, if both eyes together fit much worse than each alone: boards that
+    /// moved between the two pictures, clocks that differ, or a rolling shutter.
+    pub fn strain(&self) -> Option<f64> {
+        let ratio = self.rms_px / self.alone_rms_px;
+        (ratio > ALIKE).then_some(ratio)
     }
 
     /// The symmetric mount that is nearest to the eyes' relative rotation.
@@ -124,5 +151,101 @@ pub fn calibrate(
         bundle::Eye::new(right.0, right.1).ok_or(StereoError::NotItsViews("right"))?,
     ];
     let (relative, readings) = pairs::agree(&eyes, left.0.board.size)?;
-    bundle::refine(eyes, relative, &readings).ok_or(StereoError::Singular)
+    let alone = |view: usize| alone_square(&[left.1, right.1], view);
+    let both = |view: &usize| [0, 1].iter().all(|eye| eyes[*eye].poses[*view].is_some());
+    let mut left_out: Vec<PairLeftOut> = (0..a)
+        .filter(both)
+        .filter(|view| readings[*view].is_none())
+        .map(|view| PairLeftOut {
+            pair: view,
+            rms_px: None,
+            alone_rms_px: alone(view).0.sqrt(),
+        })
+        .collect();
+    let mut readings = readings;
+    let mut result = bundle::refine(&eyes, relative, &readings).ok_or(StereoError::Singular)?;
+    // Each round leaves fewer pairs.
+    loop {
+        let odd = odd_pairs(&result.pairs_rms_px, &alone);
+        if odd.is_empty() {
+            break;
+        }
+        let tied = readings.iter().flatten().count();
+        let agreeing = tied - odd.len();
+        if agreeing < MIN_PAIRS {
+            return Err(StereoError::TooFewPairs {
+                agreeing,
+                both: tied + left_out.len(),
+                needed: MIN_PAIRS,
+            });
+        }
+        for pair in &odd {
+            readings[pair.pair] = None;
+        }
+        left_out.extend(odd);
+        result = bundle::refine(&eyes, relative, &readings).ok_or(StereoError::Singular)?;
+    }
+    left_out.sort_by_key(|pair| pair.pair);
+    let sums = (0..a).map(alone).fold((0.0, 0), |sum, (square, corners)| {
+        (sum.0 + square * corners as f64, sum.1 + corners)
+    });
+    result.alone_rms_px = (sums.0 / sums.1.max(1) as f64).sqrt();
+    result.left_out = left_out;
+    Ok(result)
+}
+
+/// Mean squared residual of a view's corners in both eyes' own calibrations, px^2, and their number.
+fn alone_square(eyes: &[&Calibration; 2], view: usize) -> (f64, usize) {
+    let views = eyes.iter().map(|eye| &eye.views[view]);
+    let used = views.flat_map(|view| view.corners.iter().filter(|corner| corner.used));
+    let squares = used.map(|c| c.residual_px.iter().map(|r| r * r).sum::<f64>());
+    let (sum, count) = squares.fold((0.0, 0), |sum, square| (sum.0 + square, sum.1 + 1));
+    (sum / f64::max(count as f64, 1.0), count)
+}
+
+/// Robust standard deviations beyond the median from which on a pair is odd. What a shared pose costs
+/// a pair of plain noise follows a chi-squared law of 6: beyond this, one in 2000.
+const ODD_SIGMAS: f64 = 6.0;
+/// A pair that costs less than this share of its own squared residual harms nothing.
+const HARMLESS: f64 = 0.2;
+/// Standard deviation over the median absolute deviation of normal noise.
+const MAD_SIGMAS: f64 = 1.4826;
+
+/// The worst of the pairs whose residual grows far more than the others' when both eyes share the
+/// board: at most half of the odd ones at once, since odd pairs bend the fit for all.
+fn odd_pairs(
+    pairs_rms_px: &[Option<f64>],
+    alone: &dyn Fn(usize) -> (f64, usize),
+) -> Vec<PairLeftOut> {
+    let tied = pairs_rms_px.iter().enumerate();
+    let mut costs: Vec<(PairLeftOut, f64)> = tied
+        .filter_map(|(pair, rms_px)| {
+            let rms_px = (*rms_px)?;
+            let (square, _) = alone(pair);
+            let left_out = PairLeftOut {
+                pair,
+                rms_px: Some(rms_px),
+                alone_rms_px: square.sqrt(),
+            };
+            Some((left_out, rms_px * rms_px - square))
+        })
+        .collect();
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    };
+    let middle = median(costs.iter().map(|(_, cost)| *cost).collect());
+    let spread = median(
+        costs
+            .iter()
+            .map(|(_, cost)| (cost - middle).abs())
+            .collect(),
+    );
+    let limit = middle + ODD_SIGMAS * MAD_SIGMAS * spread;
+    costs.retain(|(pair, cost)| {
+        *cost > limit && *cost > HARMLESS * pair.alone_rms_px * pair.alone_rms_px
+    });
+    costs.sort_by(|a, b| b.1.total_cmp(&a.1));
+    costs.truncate(costs.len().div_ceil(2));
+    costs.into_iter().map(|(pair, _)| pair).collect()
 }

@@ -64,7 +64,17 @@ fn truth() -> (Rotation3<f64>, Vector3<f64>) {
     (rotation, Vector3::new(70.0, -2.0, 10.0))
 }
 
+/// Pairs between whose pictures the board moves.
+fn is_moved(k: i32) -> bool {
+    [0, 7, 9].contains(&k)
+}
+
 fn scene() -> [Problem; 2] {
+    moving_scene(0.0)
+}
+
+/// The scene with a board that moves by so much, mm, between the pictures of some pairs.
+fn moving_scene(moved_mm: f64) -> [Problem; 2] {
     let (rotation, position_mm) = truth();
     let lenses = [lens(300.0, [642.0, 476.0]), lens(305.0, [637.0, 481.0])];
     let mut seed = 7;
@@ -89,7 +99,8 @@ fn scene() -> [Problem; 2] {
         };
         let right = BoardPose {
             rotation: rotation.inverse() * board,
-            position_mm: rotation.inverse() * (left.position_mm - position_mm),
+            position_mm: rotation.inverse() * (left.position_mm - position_mm)
+                + Vector3::new(0.6, -0.8, 0.0) * if is_moved(k) { moved_mm } else { 0.0 },
         };
         // Some pictures show the board to one eye only; some right views are read turned round.
         let hidden = |eye: u32| k % 8 == 3 + 2 * eye as i32;
@@ -137,6 +148,23 @@ fn the_eyes_are_found_within_their_standard_errors() {
     assert!((0.05..0.09).contains(&result.rms_px), "{}", result.rms_px);
     let tied = result.pairs_rms_px.iter().flatten().count();
     assert_eq!(tied, 12, "all pictures that show the board to both eyes");
+}
+
+#[test]
+fn pairs_whose_board_moved_tie_nothing_and_are_named() {
+    let (rotation, _) = truth();
+    for moved_mm in [1.0, 3.0, 10.0] {
+        let [left, right] = moving_scene(moved_mm);
+        let result = calibrate((&left, &eye(&left)), (&right, &eye(&right))).expect("ties");
+        let named: Vec<usize> = result.left_out.iter().map(|pair| pair.pair).collect();
+        assert_eq!(named, [0, 7, 9], "{moved_mm} mm: {:?}", result.left_out);
+        assert_eq!(result.strain(), None, "{moved_mm} mm");
+        let turn = (result.rotation * rotation.inverse()).scaled_axis();
+        for k in 0..3 {
+            let (off, sigma) = (turn[k].abs(), result.rotation_standard_error_rad[k]);
+            assert!(off < 4.0 * sigma && sigma < 2e-3, "{k}: {off} {sigma}");
+        }
+    }
 }
 
 #[test]

@@ -214,10 +214,10 @@ impl FrameSource for Camera {
     }
 }
 
-/// Whether a frame is as long as its format says; a JPEG must begin as one and hold something.
+/// Whether a frame is as long as its format says; a JPEG must hold all of its picture.
 fn is_whole(format: &FrameFormat, data: &[u8]) -> bool {
     match format.layout {
-        Layout::Mjpeg => data.len() > 4 && data.starts_with(&[0xff, 0xd8]),
+        Layout::Mjpeg => crate::check_jpeg(data).is_ok_and(|info| info.size_px == format.size_px),
         _ => data.len() >= format.frame_bytes(),
     }
 }

@@ -94,7 +94,7 @@ pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError>
             Layout::Mjpeg => 0,
             _ => packed.stride_bytes.max(set.stride as usize),
         },
-        full_range: is_full_range(&set),
+        full_range: is_full_range(&set, layout),
         ..packed
     };
     let period_ns = rate(path, &device, wanted.rate_hz, &refuse)?;
@@ -106,12 +106,16 @@ pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError>
     })
 }
 
-/// What the driver says of its range; where it says nothing, Video4Linux has a rule for each kind.
-fn is_full_range(format: &Format) -> bool {
+/// What the driver says of its range. Where it says nothing, Video4Linux has a rule for luma with
+/// chroma; brightness alone comes straight from the sensor (and from the kernel's own vivid) in full
+/// range.
+fn is_full_range(format: &Format, layout: Layout) -> bool {
     match format.quantization {
         Quantization::FullRange => true,
         Quantization::LimitedRange => false,
-        Quantization::Default => matches!(format.colorspace, Colorspace::JPEG),
+        Quantization::Default => {
+            layout == Layout::Grey || matches!(format.colorspace, Colorspace::JPEG)
+        }
     }
 }
 

@@ -45,12 +45,7 @@ impl Feed {
 
     /// Frames, in seconds.
     pub fn rate(&self) -> [u32; 2] {
-        let hz = 1e9 / self.period_ns().unwrap_or(33_333_333) as f64;
-        if (hz - hz.round()).abs() < 1e-3 * hz {
-            [hz.round().max(1.0) as u32, 1]
-        } else {
-            [(hz * 1001.0).round().max(1.0) as u32, 1001]
-        }
+        tectum_capture::rate_of(self.period_ns().unwrap_or(33_333_333))
     }
 
     /// Name and counters of each eye.

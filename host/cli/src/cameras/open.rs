@@ -30,7 +30,7 @@ pub struct CameraOptions {
     pub rate: Option<u32>,
     /// Frames taken at most this far apart belong together; at most, and without, half of the time
     /// between frames
-    #[arg(long, value_name = "MS")]
+    #[arg(long, value_name = "MS", value_parser = crate::args::milliseconds, allow_negative_numbers = true)]
     pub tolerance_ms: Option<f64>,
     /// Give both eyes the left eye's exposure, gain and white balance of this moment, and keep them
     #[arg(long)]
@@ -135,8 +135,28 @@ fn one(
     Ok(Opened::File(match VideoKind::of(path) {
         Some(VideoKind::Y4m) => Box::new(Y4m::open(path)?),
         Some(VideoKind::Mjpeg) => Box::new(Mjpeg::open(path)?),
+        None if is_other_video(path) => {
+            return Err(CaptureError::File {
+                path: path.to_owned(),
+                why: format!(
+                    "videos are read as .y4m or .mjpeg: convert it with `ffmpeg -i {} {}`",
+                    path.display(),
+                    path.with_extension("y4m").display()
+                ),
+            });
+        }
         None => Box::new(Pictures::open(path)?),
     }))
+}
+
+/// A video in another container or coding, by the ending of its name.
+fn is_other_video(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let known = [
+        "mp4", "m4v", "mov", "avi", "mkv", "webm", "h264", "264", "h265", "265", "hevc", "ts",
+        "m2ts", "mpg", "mpeg", "wmv", "flv", "ogv", "3gp", "yuv", "ivf", "av1",
+    ];
+    known.contains(&&*ending.to_ascii_lowercase())
 }
 
 /// A device node, or the name of one that may come.

@@ -14,6 +14,11 @@ use tectum_scene::camera::Pose;
 /// From line to line of scales, degrees, where nothing else is said.
 const USUAL_STEP_DEG: f64 = 30.0;
 
+/// Greatest time, position and angle of an attitude file; angles may count turns.
+const MAX_TIME_S: f64 = 1e9;
+const MAX_POSITION_M: f64 = 1e6;
+const MAX_ANGLE_DEG: f64 = 36_000.0;
+
 /// What is drawn on each frame.
 pub enum LiveScales<'t> {
     /// The same lines always.
@@ -120,6 +125,7 @@ impl Attitudes {
                     attitudes.len()
                 );
             }
+            row.check().with_context(name)?;
             attitudes.push(row);
         }
         Ok(Self(attitudes))
@@ -141,6 +147,25 @@ impl Attitudes {
 }
 
 impl Attitude {
+    /// Refuses numbers that are none, or that no body has.
+    fn check(&self) -> anyhow::Result<()> {
+        let (metres, degrees) = (
+            [self.x_m, self.y_m, self.z_m],
+            [self.yaw_deg, self.pitch_deg, self.roll_deg],
+        );
+        let is_sound = self.time_s.abs() <= MAX_TIME_S
+            && metres.iter().all(|m| m.abs() <= MAX_POSITION_M)
+            && degrees.iter().all(|deg| deg.abs() <= MAX_ANGLE_DEG);
+        if !is_sound {
+            bail!(
+                "frame {}: needed are finite numbers, angles of at most {MAX_ANGLE_DEG} degrees, \
+                 positions of at most {MAX_POSITION_M} m",
+                self.frame
+            );
+        }
+        Ok(())
+    }
+
     fn world_from_body(&self) -> Rotation3<f64> {
         let pose = Pose {
             yaw_deg: self.yaw_deg,

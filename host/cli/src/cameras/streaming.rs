@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use serde_json::json;
-use tectum_capture::{CaptureError, Frame, FrameFormat, LiveStitcher, Pair, Recorder};
+use tectum_capture::{CaptureError, Frame, LiveStitcher, Pair, Recorder};
 use tectum_core::{Eye, Sampler, Tables};
 
 use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt};
 use crate::files;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 
 /// A table that lives as long as the program: the preview's thread answers from it.
 pub fn keep(bytes: Vec<u8>, path: &Path) -> anyhow::Result<&'static Tables<'static>> {
@@ -54,10 +54,7 @@ pub fn run(
         .map(|address| showing::serve(address, feed, Some(tables), false));
     let mut watch = Watch::new(feed, preview.transpose()?);
     let mut stitcher = LiveStitcher::new(tables, sampler);
-    let out_format = FrameFormat::packed(
-        LiveStitcher::output_layout(given.layout),
-        stitcher.output_size_px(),
-    );
+    let out_format = stitcher.output_format(given);
     let mut undecodable = 0_u64;
     let done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
@@ -87,6 +84,9 @@ pub fn run(
     {
         return Err(error).with_context(|| format!("after {} frames", watch.shots()));
     }
+    if watch.shots() == 0 {
+        bail!("no frame was stitched\n{}", watch.text());
+    }
     let mut text = watch.text();
     let mut json = watch.json();
     if undecodable > 0 {
@@ -95,7 +95,7 @@ pub fn run(
     json["undecodable"] = json!(undecodable);
     if let Some(recorder) = &recorder {
         text = format!("{}\n{text}", recorder.path().display());
-        json["video"] = json!(recorder.path());
+        json["video"] = path_json(recorder.path());
     }
     Ok(Report::new(text, json))
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use clap::ValueEnum;
-use tectum_capture::{FrameFormat, LiveStitcher, Operator, Pace};
+use tectum_capture::{LiveStitcher, Operator, Pace};
 use tectum_core::{Eye, Sampler, Tables};
 
 use super::{Attitudes, Feed, Limits, Watch, showing, stop_on_interrupt};
@@ -78,10 +78,9 @@ pub fn run(
             let begun = Instant::now();
             let stitched = match &mut stitcher {
                 Some(stitcher) => {
-                    let size_px = stitcher.output_size_px();
-                    let layout = LiveStitcher::output_layout(frame.format.layout);
+                    let format = stitcher.output_format(frame.format);
                     let stitched = stitcher.stitch_available(*shot)?;
-                    stitched.map(|data| (&*data, FrameFormat::packed(layout, size_px)))
+                    stitched.map(|data| (&*data, format))
                 }
                 None => None,
             };

@@ -10,6 +10,7 @@ use tectum_optics::Rig;
 
 use crate::args::OutputArgs;
 use crate::progress::Progress;
+use crate::ranges::{range_json, range_line};
 use crate::report::{Report, max_rms};
 use crate::{files, instructions};
 
@@ -21,6 +22,8 @@ const BYTES_PER_PIXEL: usize = 135;
 #[command(after_help = "EXAMPLES:\n  \
     tectum bake rig.toml -o fish.tct\n  \
     tectum bake rig.toml -o gimbal.tct --projection perspective --yaw 30 --pitch -10 --fov 70\n  \
+    tectum bake rig.toml -o seen.tct --projection design --fit   the part that the eyes see\n  \
+    tectum bake rig.toml -o front.tct --yaw -135..135 --pitch -60..40\n  \
     tectum bake rig.toml -o scaled.tct --scales=15           lines every 15 degrees, drawn on the fish\n  \
     tectum bake rig.toml -o large.tct --size 1280x640 --max-error 0.035 --json")]
 pub struct Args {
@@ -46,6 +49,7 @@ pub struct Args {
 /// Bakes and writes.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let rig = Rig::load(&args.rig)?;
+    files::check_outputs([&args.output], files::rig_inputs(&args.rig))?;
     let options = BakeOptions {
         output: args.picture.output_map(&rig)?,
         max_error_px: args.max_error,
@@ -62,12 +66,15 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     files::write(&args.output, &baked.bytes)?;
     let [width, height] = options.output.size_px;
     let text = format!(
-        "{}: {width}x{height} px from rig {:?}\n{}",
+        "{}: {width}x{height} px from rig {:?}\n{}{}",
         args.output.display(),
         rig.name,
+        range_line(&options.output),
         cost_sheet(&baked, &rig, width)
     );
-    Ok(Report::new(text, cost_json(&baked, &args.output)))
+    let mut json = cost_json(&baked, &args.output);
+    json["shows"] = range_json(&options.output);
+    Ok(Report::new(text, json))
 }
 
 /// Refuses an output that this machine cannot bake, before the system ends the program for it.
@@ -95,7 +102,7 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
         "flash   {} bytes: left mesh {}, right mesh {}, runs {}, tone {}, metering {}, \
          scales {}, other {}\n\
          mesh    a vertex every {} px\n\
-         error   {} (source position against the camera model)\n{}{}\
+         error   {} (source position against the camera model)\n{}{}{}\
          pixels  left {:.1} %, right {:.1} %, blend {:.1} %, void {:.1} %\n\n\
          format   RAM: both frames   one frame, output   output row   M7 instructions a picture*\n",
         bytes.total,
@@ -108,6 +115,10 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
         bytes.other,
         step(report.step),
         max_rms(&report.coordinate_error_px, "px"),
+        report.bend_deg.map_or_else(String::new, |bend| format!(
+            "bend    {} (what a pixel shows against the direction it stands for)\n",
+            max_rms(&bend, "degrees")
+        )),
         report.tone_error.map_or_else(String::new, |error| format!(
             "tone    Y {:.2}, U V {:.2} levels RMS off the curves for red, green, blue\n",
             error.luma_rms, error.chroma_rms
@@ -176,6 +187,9 @@ fn cost_json(baked: &Baked, table: &Path) -> Value {
         "coordinate_error_px": report.coordinate_error_px,
         "pixels": report.pixels,
     });
+    if let Some(bend) = report.bend_deg {
+        json["bend_deg"] = json!(bend);
+    }
     if let Some(error) = report.tone_error {
         json["tone_error_levels"] = json!(error);
     }

@@ -1,14 +1,14 @@
 //! Calibration from drawn and real pictures, and sessions that cannot give one.
 
 use std::fs;
-use std::path::Path;
 
 use serde_json::Value;
 
 use crate::boards::{self, Shot};
 use crate::common::Bench;
 
-const RUN: &str = "calibrate shots --board 8x6 --square-mm 30 -o eye.toml";
+/// The family is asked for: left open, held-out pictures choose it.
+const RUN: &str = "calibrate shots --board 8x6 --square-mm 30 --model ocam -o eye.toml";
 
 /// With the pictures of a session in `shots`.
 fn bench(shots: &[Shot]) -> Bench {
@@ -220,7 +220,8 @@ fn two_eyes_at_one_place_are_a_rig_without_a_baseline() {
     let shots = boards::session([8, 6]);
     let bench = bench(&shots);
     boards::write(&bench.path("other"), &shots[..10]);
-    let run = "calibrate --left shots --right other --board 8x6 --square-mm 30 -o both.toml";
+    let run = "calibrate --left shots --right other --board 8x6 --square-mm 30 --model ocam \
+               -o both.toml";
     let json = bench.json(run);
     assert_eq!(json["pairs_used"], 10, "{json}");
     assert_eq!(json["unpaired"][0], "shots/10.png");
@@ -249,12 +250,9 @@ fn damaged_detections_are_set_aside_and_named() {
 
 #[test]
 fn real_pictures_reach_the_published_residual() {
-    let data =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/ocam-fisheye1/images");
-    if !data.exists() {
-        println!("skipped: {} is absent", data.display());
+    let Some(data) = tectum_test_data::data("ocam-fisheye1/images") else {
         return;
-    }
+    };
     let bench = Bench::new();
     let run = format!(
         "calibrate {} --board 6x8 --square-mm 32.5 -o eye.toml",

@@ -34,7 +34,7 @@ impl Chromium {
             .stderr(Stdio::piped())
             .spawn();
         let Ok(mut process) = process else {
-            println!("skipped: chromium is not installed (`apt-get install chromium`)");
+            tectum_test_data::skip("chromium is not installed (`apt-get install chromium`)");
             return None;
         };
         let stderr = BufReader::new(process.stderr.take().expect("stderr"));

@@ -29,11 +29,11 @@ pub struct Ocam {
     decentring_per_px: [f64; 2],
 }
 
-/// Greatest share by which decentring may stretch the picture anywhere: far more than any lens
-/// does, and it stays one-to-one.
-const MOST_STRETCH: f64 = 0.25;
-
 impl Ocam {
+    /// Greatest share by which decentring may stretch the picture anywhere inside the lens's radius.
+    /// From 1 on the picture folds; strongly decentred lenses and tilted mirrors reach 0.3.
+    pub const MAX_STRETCH: f64 = 0.6;
+
     /// Most coefficients that are accepted, as in OCamCalib's own reader.
     pub const MAX_COEFFICIENTS: usize = 64;
 
@@ -116,11 +116,11 @@ impl Ocam {
         ])?;
         // No direction stretches by more than 6 |t| r.
         let stretch = 6.0 * libm::hypot(t1, t2) * self.max_rho_px;
-        if stretch > MOST_STRETCH {
+        if stretch > Self::MAX_STRETCH {
             return Err(ParameterError {
                 parameter: "stretch of the picture by decentring_per_px",
                 value: stretch,
-                allowed: "up to 0.25",
+                allowed: "up to 0.6",
             });
         }
         Ok(Self {
@@ -161,9 +161,11 @@ impl Ocam {
     /// The ideal point that decentring moves to `shifted`; `None` far outside any picture.
     pub fn centred_px(t: [f64; 2], shifted: Vector2<f64>) -> Option<Vector2<f64>> {
         let mut ideal = shifted;
-        // Each round is nearer by the stretch, at most a quarter.
+        // Newton's steps: the stretch is far from a fold where the lens holds.
         for _ in 0..40 {
-            let next = shifted - Self::decentring_px(t, ideal);
+            let excess = ideal + Self::decentring_px(t, ideal) - shifted;
+            let slopes = Matrix2::identity() + Self::decentring_slopes(t, ideal);
+            let next = ideal - slopes.try_inverse()? * excess;
             let done = (next - ideal).amax() <= 1e-13 * shifted.amax();
             ideal = next;
             if done {

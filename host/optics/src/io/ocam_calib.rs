@@ -90,16 +90,28 @@ impl OcamCalib {
     /// The file of a camera with frames of `size_px` (width, height). The inverse polynomial is
     /// fitted over the model's field, to 0.01 px where some degree up to 20 can. The file has no
     /// place for decentring: it is left out.
-    pub fn from_model(model: &Ocam, size_px: [u16; 2]) -> Self {
+    ///
+    /// # Errors
+    /// [`CalibFileError::Value`] if no polynomial of finite numbers fits, as of a lens whose field is
+    /// a point.
+    pub fn from_model(model: &Ocam, size_px: [u16; 2]) -> Result<Self, CalibFileError> {
         let [x, y] = model.centre_px;
-        Self {
+        let inverse_polynomial = inverse_polynomial(model);
+        if inverse_polynomial.is_empty() || !inverse_polynomial.iter().all(|b| b.is_finite()) {
+            return Err(CalibFileError::value(
+                "inverse polynomial",
+                &format!("{:?}", model.polynomial),
+                "a lens whose radius is a smooth function of the angle",
+            ));
+        }
+        Ok(Self {
             // Subtracting gives 0 for 0, a minus sign -0.
             polynomial: model.polynomial.iter().map(|a| 0.0 - a).collect(),
-            inverse_polynomial: inverse_polynomial(model),
+            inverse_polynomial,
             centre_row_column_px: [y, x],
             affine: model.affine,
             size_px,
-        }
+        })
     }
 
     /// Distance from the centre to the sensor's farthest corner, px before the affine map.

@@ -1,6 +1,6 @@
 //! Rig files that name the files of their eyes: `[left]` with `file = "left.toml"`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use toml::{Table, Value};
@@ -8,6 +8,7 @@ use toml::{Table, Value};
 use super::RigError;
 use super::eye_file::CalibratedEye;
 use super::file::{EyeFile, Medium, RigFile};
+use super::read;
 
 /// The rig with its eyes' sections from the files they name; `None` if it names none, or is no
 /// TOML at all. A field given in the rig goes before the file's: the lens may show more than its
@@ -53,6 +54,19 @@ pub(super) fn resolve(text: &str, rig: &Path) -> Result<Option<RigFile>, RigErro
     })?;
     check_media(&parsed, &media, file)?;
     Ok(Some(parsed))
+}
+
+/// The files that a rig's file names: those of its eyes and of its `[stitching]`. Empty if it
+/// cannot be read or is no TOML.
+pub(super) fn named_files(rig: &Path) -> Vec<PathBuf> {
+    let text = read::text(rig).unwrap_or_default();
+    let table = text.parse::<Table>().unwrap_or_default();
+    let folder = rig.parent().unwrap_or(Path::new(""));
+    let file = |section: Option<&Value>| Some(folder.join(section?.get("file")?.as_str()?));
+    let eyes = ["left", "right"].map(|side| file(table.get(side)));
+    let stitching = table.get("stitching");
+    let pictures = ["seam", "tone", "warp"].map(|part| file(stitching?.get(part)));
+    eyes.into_iter().chain(pictures).flatten().collect()
 }
 
 fn insert(section: &mut Table, eye: &EyeFile) -> Result<(), toml::ser::Error> {

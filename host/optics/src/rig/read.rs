@@ -9,8 +9,10 @@ use super::{Rig, RigError, RigEye, stitching};
 use crate::camera::{CameraModel, DoubleSphere, Equidistant, Eucm, KannalaBrandt, ParameterError};
 use crate::io::ocam_calib::OcamCalib;
 use crate::pose::rotation_vector;
-use crate::{Eye, Field, Pose, Side};
+use crate::{Eye, Field, Pose, Side, read_limited};
 
+/// Longest text of a rig or an eye. An eye with thousands of pictures' hashes has some 200 KB.
+const MAX_TEXT_BYTES: u64 = 16 << 20;
 /// Largest side of a frame, px: what a table can address.
 const MAX_SIDE_PX: u32 = 16384;
 
@@ -51,7 +53,11 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
 
 /// A file's text.
 pub(super) fn text(path: &Path) -> Result<String, RigError> {
-    std::fs::read_to_string(path).map_err(|source| RigError::Read {
+    let read = read_limited(path, MAX_TEXT_BYTES).and_then(|bytes| {
+        String::from_utf8(bytes)
+            .map_err(|_| std::io::Error::new(std::io::ErrorKind::InvalidData, "it is not text"))
+    });
+    read.map_err(|source| RigError::Read {
         path: path.to_owned(),
         source,
     })

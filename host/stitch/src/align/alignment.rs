@@ -1,14 +1,17 @@
 //! From pictures to a bend that makes the seam better, or to none.
 
 use image::RgbImage;
+use nalgebra::Vector3;
 use serde::Serialize;
 use tectum_optics::convention::yaw_pitch;
 use tectum_optics::{RgbCurves, Rig};
 
+use super::carrier::Carrier;
 use super::error::AlignError;
 use super::grid::Grid;
 use super::lattice::Lattice;
 use super::matching::{Match, Pyramids, matches};
+use super::parallax::Parallax;
 use super::pieces::{Piece, pieces};
 use super::score::{edge_excess, mean, seam_pixels, similarities};
 use super::taper::{fade, reach_px};
@@ -20,6 +23,9 @@ use crate::{Eyes, Views};
 const MATCHED_SHOTS: usize = 6;
 /// What a piece's mean similarity must rise by to be kept.
 const WORTH: f64 = 0.005;
+/// Knots are this many times as far apart at each try, and at most this far, rad.
+const STIFFER: f64 = 1.5;
+const MAX_KNOTS_RAD: f64 = 1.0;
 
 /// A bend of both eyes' pictures along the seam, and the seam through the bent pictures.
 #[derive(Debug, Clone)]
@@ -33,6 +39,17 @@ pub struct Alignment {
     /// Similarity along the seam, before and after: angle around the axis that joins the eyes, rad
     /// (0 between the optical axes), and structural similarity.
     pub along: [Vec<[f64; 2]>; 2],
+    /// Where the eyes were matched along the seam, at whatever range.
+    pub matches: Vec<SeamMatch>,
+}
+
+/// A place along the seam in which both eyes show the same thing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeamMatch {
+    /// Direction midway between both eyes' pictures of it, body frame.
+    pub direction: Vector3<f64>,
+    /// Its parallax against the stitch distance, rad: above 0 for what is nearer.
+    pub parallax_rad: f64,
 }
 
 /// What was found along the seam.
@@ -55,6 +72,11 @@ pub struct AlignSummary {
     pub pieces: Vec<PieceSummary>,
     /// Greatest bend of an eye, deg.
     pub greatest_deg: f64,
+    /// Distance of the bend's knots, deg; `None` without a bend.
+    pub knots_deg: Option<f64>,
+    /// Places that were matched but left out, because what they show is nearer or farther than the
+    /// stitch distance.
+    pub elsewhere: usize,
 }
 
 /// A bad piece of the seam.
@@ -115,10 +137,16 @@ pub fn align(
         edge_excess_after: edge,
         pieces: found.iter().map(|piece| work.summary(piece)).collect(),
         greatest_deg: 0.0,
+        knots_deg: None,
+        elsewhere: 0,
     };
-    let bent = match work.matches(&before, &mut summary) {
-        matches if matches.is_empty() => None,
-        matches => work.bend(&matches, &mut summary),
+    let (matches, seen) = work.matches(&before, &mut summary);
+    let bent = match matches.iter().all(Vec::is_empty) {
+        true => None,
+        false => {
+            let carrier = Carrier::new(&stage.rig, &seam, &options.outputs)?;
+            work.bend(&carrier, &matches, &mut summary)
+        }
     };
     let along = grid.along(&pixels, &similar);
     if let Some((warp, views)) = bent {
@@ -141,9 +169,11 @@ pub fn align(
                 seam: again,
                 summary,
                 along: [along, grid.along(&pixels, &similar)],
+                matches: seen,
             });
         }
     }
+    summary.knots_deg = None;
     for piece in &mut summary.pieces {
         piece.accepted = false;
     }
@@ -152,6 +182,7 @@ pub fn align(
         seam,
         summary,
         along: [along.clone(), along],
+        matches: seen,
     })
 }
 
@@ -166,6 +197,12 @@ fn check(options: &AlignOptions) -> Result<(), AlignError> {
         ("margin_px", options.margin_px, 0.0..=256.0, "0 to 256"),
         ("knots_rad", options.knots_rad, 0.02..=0.5, "0.02 to 0.5"),
         ("most_rad", options.most_rad, 0.005..=0.2, "0.005 to 0.2"),
+        (
+            "most_parallax_rad",
+            options.most_parallax_rad,
+            0.0..=0.2,
+            "0 to 0.2",
+        ),
     ];
     for (what, value, range, allowed) in allowed {
         if !range.contains(&value) {
@@ -262,58 +299,86 @@ impl Work<'_> {
         }
     }
 
-    /// Matches of each piece.
-    fn matches(&self, views: &[Views], summary: &mut AlignSummary) -> Vec<Vec<Match>> {
+    /// Matches of each piece that a bend may follow, and all that there are.
+    fn matches(
+        &self,
+        views: &[Views],
+        summary: &mut AlignSummary,
+    ) -> (Vec<Vec<Match>>, Vec<SeamMatch>) {
+        let (stage, mut seen) = (self.stage, Vec::new());
         if self.pieces.is_empty() {
-            return Vec::new();
+            return (Vec::new(), seen);
         }
         // Evenly spread over the shots.
         let count = views.len().min(MATCHED_SHOTS);
         let spread = |k: usize| &views[k * views.len() / count];
         let spread: Vec<&Views> = (0..count).map(spread).collect();
         let pyramids = Pyramids::new(&spread);
-        let of_piece = |piece: &Piece| {
+        let parallax = Parallax::of(&stage.rig);
+        let mut found = Vec::new();
+        for (piece, summary_of_piece) in self.pieces.iter().zip(&mut summary.pieces) {
             let pixels: Vec<usize> = piece.members.iter().map(|k| self.pixels[*k]).collect();
-            matches(&pyramids, &self.stage.grid, &pixels, self.stage.most_px())
-        };
-        let found: Vec<Vec<Match>> = self.pieces.iter().map(of_piece).collect();
-        for (piece, matches) in summary.pieces.iter_mut().zip(&found) {
-            piece.matches = matches.len();
+            let mut matches = matches(&pyramids, &stage.grid, &pixels, stage.most_px());
+            matches.retain(|found| {
+                let parallax_rad = parallax.of_match(&stage.grid, found);
+                seen.push(SeamMatch {
+                    direction: stage.grid.direction(found.at_px),
+                    parallax_rad,
+                });
+                let is_near = parallax_rad.abs() <= stage.options.most_parallax_rad;
+                summary.elsewhere += usize::from(!is_near);
+                is_near
+            });
+            summary_of_piece.matches = matches.len();
+            found.push(matches);
         }
-        found
+        (found, seen)
     }
 
-    /// The bend of all pieces that it makes better, and the pictures bent by it.
+    /// The bend of all pieces that it makes better, as stiff as the meshes need it, and the pictures
+    /// bent by it.
     fn bend(
         &self,
+        carrier: &Carrier,
         matches: &[Vec<Match>],
         summary: &mut AlignSummary,
     ) -> Option<(Warp, Vec<Views>)> {
-        let mut kept: Vec<usize> = (0..self.pieces.len())
-            .filter(|k| !matches[*k].is_empty())
-            .collect();
-        // Each round drops a piece or ends.
-        while !kept.is_empty() {
-            let warp = self.warp(&kept, matches)?;
-            let views = self.stage.views(Some(&warp));
-            let after = similarities(&self.stage.grid, &views, self.pixels);
-            let all = kept.len();
-            kept.retain(|k| {
-                let piece = &mut summary.pieces[*k];
-                piece.ssim_after = mean(self.pieces[*k].members.iter().map(|m| after[*m]));
-                piece.accepted = piece.ssim_after >= piece.ssim_before + WORTH;
-                piece.accepted
-            });
-            if kept.len() == all {
-                return Some((warp, views));
+        let mut knots_rad = self.stage.options.knots_rad;
+        while knots_rad <= MAX_KNOTS_RAD {
+            let mut kept: Vec<usize> = (0..self.pieces.len())
+                .filter(|k| !matches[*k].is_empty())
+                .collect();
+            // Each round drops a piece or ends.
+            while !kept.is_empty() {
+                let warp = self.warp(&kept, matches, knots_rad)?;
+                if !carrier.carries(&warp) {
+                    break;
+                }
+                let views = self.stage.views(Some(&warp));
+                let after = similarities(&self.stage.grid, &views, self.pixels);
+                let all = kept.len();
+                kept.retain(|k| {
+                    let piece = &mut summary.pieces[*k];
+                    piece.ssim_after = mean(self.pieces[*k].members.iter().map(|m| after[*m]));
+                    piece.accepted = piece.ssim_after >= piece.ssim_before + WORTH;
+                    piece.accepted
+                });
+                if kept.len() == all {
+                    summary.knots_deg = Some(knots_rad.to_degrees());
+                    return Some((warp, views));
+                }
             }
+            if kept.is_empty() {
+                return None;
+            }
+            knots_rad *= STIFFER;
         }
         None
     }
 
-    fn warp(&self, kept: &[usize], matches: &[Vec<Match>]) -> Option<Warp> {
+    fn warp(&self, kept: &[usize], matches: &[Vec<Match>], knots_rad: f64) -> Option<Warp> {
         let (grid, most_px) = (&self.stage.grid, self.stage.most_px());
-        let knot_px = grid.px(self.stage.options.knots_rad);
+        let knot_px = grid.px(knots_rad);
         let mut lattice = Lattice::new(grid, knot_px, reach_px(most_px));
         let known: Vec<Match> = kept.iter().flat_map(|k| matches[*k].clone()).collect();
         lattice.fit(&known);

@@ -8,15 +8,20 @@
 //! ```
 //!
 //! What differs from the paper's reference: matches instead of SIFT flow, of all shots at once; both
-//! eyes are bent by half, so that the picture is what an eye midway would see; the bend is a spline
-//! coarse enough for the core's mesh, which costs the core nothing; and a piece is kept only where
-//! the similarity it was made for rises.
+//! eyes are bent by half, so that the picture is what an eye midway would see; a piece is kept only
+//! where the similarity it was made for rises; and
+//! - a bend is one of the eyes, not of a scene: matches of things nearer or farther than the stitch
+//!   distance, whose parallax the next picture does not have, are left out;
+//! - a bend is a spline as stiff as the output pictures' meshes need it, so that it costs the core
+//!   nothing and the table no bytes.
 
 mod alignment;
+mod carrier;
 mod error;
 mod grid;
 mod lattice;
 mod matching;
+mod parallax;
 mod pieces;
 mod plane;
 mod score;
@@ -25,14 +30,22 @@ mod taper;
 mod tests;
 mod warp;
 
-pub use alignment::{AlignSummary, Alignment, PieceSummary, align};
+pub use alignment::{AlignSummary, Alignment, PieceSummary, SeamMatch, align};
 pub use error::AlignError;
 pub use warp::Warp;
 
+use tectum_bake::BakeOptions;
+use tectum_optics::Projection;
+
 use crate::seam::SeamOptions;
 
+/// Equirect pictures whose meshes carry every bend by default, px.
+const OUTPUTS_PX: [[u16; 2]; 3] = [[640, 320], [1280, 640], [2048, 1024]];
+/// Their greatest error of a position, px: what baking has by default.
+const OUTPUT_ERROR_PX: f64 = 0.05;
+
 /// How eyes are aligned.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AlignOptions {
     /// How the seam is found.
     pub seam: SeamOptions,
@@ -40,20 +53,36 @@ pub struct AlignOptions {
     pub width_px: u16,
     /// Part of each eye's rim that the other eye shows, px of that frame.
     pub margin_px: f64,
-    /// Distance of the bend's knots, rad: details below cannot be followed, and a mesh whose cells
-    /// are larger cannot follow the bend.
+    /// Least distance of the bend's knots, rad: details below cannot be followed. It is raised until
+    /// the meshes of the `outputs` carry the bend.
     pub knots_rad: f64,
+    /// Output pictures whose tables must have no larger meshes for the bend; by default equirect
+    /// pictures of 640x320, 1280x640 and 2048x1024 px with errors of up to 0.05 px.
+    pub outputs: Vec<BakeOptions>,
+    /// Greatest parallax of what is brought together, rad: what shows more is nearer or farther than
+    /// the stitch distance, and in the next picture it is elsewhere.
+    pub most_parallax_rad: f64,
     /// Greatest misalignment that is sought, between the eyes, rad.
     pub most_rad: f64,
 }
 
 impl Default for AlignOptions {
     fn default() -> Self {
+        let output = |size_px| {
+            let output = Projection::Equirect.output_map(size_px).ok()?;
+            Some(BakeOptions {
+                output,
+                max_error_px: OUTPUT_ERROR_PX,
+                feather_rad: 0.0,
+            })
+        };
         Self {
             seam: SeamOptions::default(),
             width_px: 2048,
             margin_px: 8.0,
-            knots_rad: 0.08,
+            knots_rad: 0.12,
+            outputs: OUTPUTS_PX.into_iter().filter_map(output).collect(),
+            most_parallax_rad: 0.15f64.to_radians(),
             most_rad: 0.1,
         }
     }

@@ -1,12 +1,12 @@
 //! Two eyes in a round room with things before its wall: parallax with a step at their borders.
 
 use image::{Rgb, RgbImage};
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use tectum_bake::{BakeOptions, Pair, bake, verify};
 use tectum_core::Tables;
 use tectum_optics::convention::{direction, yaw_pitch};
-use tectum_optics::{Projection, Rig, Stitching};
+use tectum_optics::{Pose, Projection, Rig, Stitching};
 
 use super::*;
 use crate::Eyes;
@@ -50,6 +50,18 @@ fn texture(seen: &Vector3<f64>, seed: f64) -> [f64; 3] {
     })
 }
 
+/// A rig whose right eye looks 0.6 degrees farther up than the rig says: no range explains that.
+fn misread(rig: &Rig) -> Rig {
+    let right = rig.right.as_ref().unwrap().pose;
+    let up = Rotation3::from_axis_angle(&Vector3::y_axis(), 0.6f64.to_radians());
+    let turned = Pose {
+        rotation: up * right.rotation,
+        ..right
+    };
+    rig.with_poses([rig.left.as_ref().unwrap().pose, turned])
+        .unwrap()
+}
+
 /// Where things stand: middle and half size in yaw and pitch, and their distance.
 type Thing = ([f64; 2], [f64; 2], f64);
 
@@ -81,13 +93,16 @@ fn pictures(rig: &Rig, things: &[Thing]) -> Eyes<RgbImage> {
     })
 }
 
-/// A frame of half the default's size keeps the tests quick; pictures are small too.
+/// A frame of half the default's size keeps the tests quick; pictures are small too, and so are the
+/// outputs.
 fn options() -> AlignOptions {
-    AlignOptions {
+    let mut options = AlignOptions {
         width_px: 1024,
         margin_px: 4.0,
         ..AlignOptions::default()
-    }
+    };
+    options.outputs.truncate(1);
+    options
 }
 
 fn aligned(rig: &Rig, eyes: &[Eyes<RgbImage>]) -> Alignment {
@@ -100,13 +115,13 @@ const AHEAD: Thing = ([0.0, 0.1], [0.6, 0.25], 1.2);
 const BEHIND: Thing = ([std::f64::consts::PI, -0.2], [0.6, 0.2], 1.5);
 
 #[test]
-fn what_stands_before_the_wall_is_brought_together_and_baked() {
+fn eyes_off_their_rig_are_brought_together_and_baked_at_no_cost() {
     let mut rig = rig();
-    let eyes = pictures(&rig, &[AHEAD, BEHIND]);
+    let eyes = pictures(&misread(&rig), &[AHEAD, BEHIND]);
     let found = aligned(&rig, std::slice::from_ref(&eyes));
     println!("{:#?}", found.summary);
     let summary = &found.summary;
-    assert!(summary.pieces.iter().filter(|p| p.accepted).count() >= 2);
+    assert!(summary.pieces.iter().filter(|p| p.accepted).count() >= 10);
     assert!(
         summary.ssim_after > summary.ssim_before + 0.03,
         "{summary:?}"
@@ -117,19 +132,24 @@ fn what_stands_before_the_wall_is_brought_together_and_baked() {
     let [before, after] =
         [summary.edge_excess_before, summary.edge_excess_after].map(Option::unwrap);
     assert!(after <= before.max(0.0), "{summary:?}");
-    // Each eye's half of the parallax: 30 mm at 1.2 m less 30 mm at 3 m are 0.86 degrees; the
-    // spline overshoots a little at a step.
+    // Each eye's half of it, and a little for matches that are off.
     assert!(
-        (0.5..1.6).contains(&summary.greatest_deg),
+        (0.2..0.5).contains(&summary.greatest_deg),
         "{}",
         summary.greatest_deg
     );
 
     let warp = found.warp.unwrap();
-    rig.stitching = Some(Stitching {
-        warp: Some(warp.map().unwrap()),
+    let cut = Stitching {
+        warp: None,
         seam: Some(found.seam.shares.seam_map([1024, 512]).unwrap()),
         tone: None,
+    };
+    let mut unbent = rig.clone();
+    unbent.stitching = Some(cut.clone());
+    rig.stitching = Some(Stitching {
+        warp: Some(warp.map().unwrap()),
+        ..cut
     });
     for size_px in [[640, 320], [1280, 640]] {
         let options = BakeOptions {
@@ -138,13 +158,47 @@ fn what_stands_before_the_wall_is_brought_together_and_baked() {
             feather_rad: 0.0,
         };
         let baked = bake(&rig, &options).unwrap();
-        println!("{size_px:?}: step {:?}", baked.report.step);
+        let plain = bake(&unbent, &options).unwrap().report;
+        println!(
+            "{size_px:?}: steps {:?} and {:?}, bend {:?}",
+            baked.report.step, plain.step, baked.report.bend_deg
+        );
+        assert_eq!(baked.report.step, plain.step);
+        assert!(baked.report.bytes.total <= plain.bytes.total + plain.bytes.total / 20);
+        // What a look-up in the stitched picture is off by is stated: the seam is where most is.
+        let bend = baked.report.bend_deg.unwrap();
+        assert!(bend.max > 0.15 && bend.max <= summary.greatest_deg + 0.01);
+        assert!(plain.bend_deg.is_none());
         let tables = Tables::parse(&baked.bytes).unwrap();
         let [left, right] = [eyes[0].as_raw(), eyes[1].as_raw()];
         let same = verify(&tables, Some(&rig), Pair { left, right }).unwrap();
         assert_eq!(same.mismatches, 0);
         assert!(same.coordinate_error_px.unwrap().max <= 0.05);
     }
+}
+
+#[test]
+fn what_stands_before_the_wall_bends_nothing() {
+    // At 1.2 m in a room of 3 m: its parallax is true of this scene alone.
+    let rig = rig();
+    let found = aligned(&rig, &[pictures(&rig, &[AHEAD, BEHIND])]);
+    let summary = &found.summary;
+    println!("{summary:#?}");
+    assert!(summary.elsewhere > 20, "{}", summary.elsewhere);
+    assert!(summary.greatest_deg < 0.1, "{}", summary.greatest_deg);
+    let near: Vec<f64> = found
+        .matches
+        .iter()
+        .filter(|found| found.direction.x > 0.9)
+        .map(|found| found.parallax_rad)
+        .collect();
+    // 60 mm at 1.2 m less 60 mm at 3 m.
+    let law = 0.06 * (1.0 / 1.2 - 1.0 / 3.0);
+    let at_law = near
+        .iter()
+        .filter(|p| (**p - law).abs() < 0.1 * law)
+        .count();
+    assert!(2 * at_law > near.len(), "{near:?}");
 }
 
 #[test]
@@ -174,7 +228,7 @@ fn the_bend_of_several_shots_helps_on_average() {
 #[test]
 fn the_files_say_the_same_as_the_warp_in_memory() {
     let rig = rig();
-    let found = aligned(&rig, &[pictures(&rig, &[AHEAD])]);
+    let found = aligned(&rig, &[pictures(&misread(&rig), &[])]);
     let warp = found.warp.unwrap();
     let picture = image::load_from_memory(&warp.png().unwrap()).unwrap();
     let rgba = picture.as_rgba16().expect("16-bit RGBA");

@@ -18,6 +18,8 @@ const LEAST_CELLS: usize = 40;
 const MOST_RATIO: f64 = 2.5;
 /// Parts of the correction that the left eye may take, nearest to half first.
 const SHARES: [f64; 11] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9, 0.0, 1.0];
+/// Cast of a channel at the seam that is not seen, levels.
+const ALLOWED_CAST_LEVELS: f64 = 0.8;
 /// What an uneven share must gain to be taken, levels.
 const WORTH_LEVELS: f64 = 0.15;
 /// Half the width about the overlap's middle in which the falloff is reported: this far off, one
@@ -98,8 +100,11 @@ pub fn match_eyes(rig: &Rig, shots: &[Views]) -> Result<ColourMatch, ColourError
     }
     let tried = SHARES.iter().filter_map(|share| {
         let curves = curves_of(&ratios, *share)?;
-        let apart = apart(&pairs, &ratios, &curves);
-        Some((*share, curves, apart))
+        // What the bend to white costs, and the cast that it leaves at the seam.
+        let bias = difference(&pairs, &curves).bias.map(f64::abs);
+        let cast = bias.into_iter().fold(0.0, f64::max);
+        let cost = apart(&pairs, &ratios, &curves) + (cast - ALLOWED_CAST_LEVELS).max(0.0);
+        Some((*share, curves, cost))
     });
     let tried: Vec<_> = tried.collect();
     let least = tried.iter().map(|t| t.2).fold(f64::MAX, f64::min);

@@ -116,7 +116,7 @@ pub fn align(
         let Some(own_turn) = self::turn(&own) else {
             return Err(OrientationError::NoShots);
         };
-        let off_rad = turn.angle_to(&own_turn);
+        let off_rad = vector_of_rotation(&(turn.inverse() * own_turn)).norm();
         if off_rad > limit_rad {
             return Err(OrientationError::Contradicts {
                 shot: shot.name.clone(),

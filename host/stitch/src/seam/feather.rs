@@ -27,10 +27,10 @@ pub struct FeatherOptions {
 impl Default for FeatherOptions {
     fn default() -> Self {
         Self {
-            narrowest_px: 4.0,
+            narrowest_px: 2.0,
             widest_px: 24.0,
-            visible_levels: 16.0,
-            visible_share: 0.1,
+            visible_levels: 8.0,
+            visible_share: 0.03,
             taper: 0.25,
         }
     }

@@ -6,7 +6,7 @@
 //!       └─► energy (what a cut shows) ───┘
 //! ```
 //!
-//! [`Quality`] says how well the seam of a stitched picture is hidden.
+//! [`Quality`] says how well the seam of a stitched picture is hidden, [`Loss`] what is missing there.
 
 mod band;
 mod course;
@@ -15,6 +15,7 @@ mod energy;
 mod error;
 mod feather;
 mod gray;
+mod loss;
 mod nearest;
 mod overlap;
 mod quality;
@@ -29,6 +30,7 @@ pub use energy::{EnergyOptions, energy, lattice};
 pub use error::SeamError;
 pub use feather::FeatherOptions;
 pub use gray::Gray;
+pub use loss::{Loss, RangeLoss, range_losses};
 pub use overlap::Overlap;
 pub use quality::{Quality, ghosts};
 pub use shares::Shares;

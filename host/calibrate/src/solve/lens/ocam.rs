@@ -273,8 +273,12 @@ impl Lens for OcamLens {
             polynomial[k] = b * self.scale_px.powi(1 - k as i32);
         }
         let [c, d] = self.affine(p);
+        let decentring = self.decentring_per_px(p);
+        // Decentring grows outwards without end: the lens ends where it would stretch too far.
+        let holds_px = Ocam::MAX_STRETCH / (6.0 * libm::hypot(decentring[0], decentring[1]));
+        let radius_px = radius_px.min(holds_px * (1.0 - 1e-9));
         let lens = Ocam::new(polynomial, [p[0], p[1]], [c, d, 0.0], radius_px)?;
-        let lens = lens.with_decentring(self.decentring_per_px(p))?;
+        let lens = lens.with_decentring(decentring)?;
         Ok(CameraModel::Ocam(lens))
     }
 }

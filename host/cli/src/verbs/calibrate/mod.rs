@@ -8,6 +8,7 @@ mod summary;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use tectum_calibrate::session::list;
 use tectum_calibrate::solve::{self, CalibrateError, Options, Problem};
 use tectum_calibrate::{Board, BoardSize, Calibration, Dictionary, View};
 use tectum_optics::Medium;
@@ -26,8 +27,8 @@ use shots::Shots;
     tectum calibrate --left l --right r --board 8x6 --square-mm 30 -o rig.toml\n\n\
     A board is told by its inner corners, columns x rows: 9 x 7 squares are 8x6. 10 pictures or\n\
     more, the board tilted every way and out to the edge of the image. The lens is OCamCalib's\n\
-    polynomial, its degree chosen on pictures held out; other models are fitted to the same corners\n\
-    and scored beside it. OpenCV and Kalibr files hold a Kannala-Brandt lens fitted to the same\n\
+    polynomial, its degree chosen on pictures held out, unless another model predicts those surely\n\
+    better; every model that was fitted is listed with its score. OpenCV and Kalibr files hold a Kannala-Brandt lens fitted to the same\n\
     corners.\n\n\
     What is found in each picture is kept at once, in OUT.session beside the output: an\n\
     interrupted run goes on where it ended, and more pictures cost only themselves.\n\
@@ -70,15 +71,19 @@ pub struct Args {
     /// Kalibr's file to write (pinhole, equidistant)
     #[arg(long, value_name = "FILE.yaml", conflicts_with = "left")]
     kalibr: Option<PathBuf>,
-    /// Model of the eye's lens
-    #[arg(long, value_enum, default_value_t = ModelName::Ocam)]
-    model: ModelName,
+    /// Model of the eye's lens (default: the one that predicts pictures held out best)
+    #[arg(long, value_enum)]
+    model: Option<ModelName>,
     /// Degree of the polynomial (default: chosen on pictures held out)
     #[arg(long, value_name = "N")]
     degree: Option<usize>,
     /// Keep the lens on its axis: OCamCalib's own model, without decentring
     #[arg(long)]
     no_decentring: bool,
+    /// With both eyes: distance at which the rig's stitched pictures are to be exact, m (default:
+    /// `inf`, where nearer things are doubled or cut by their parallax)
+    #[arg(long, value_name = "M", requires = "left", value_parser = stitch_distance_m)]
+    stitch_distance: Option<f64>,
     /// What the pictures were taken in
     #[arg(long, value_enum, default_value_t = MediumName::Air)]
     medium: MediumName,
@@ -136,6 +141,13 @@ fn square_mm(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "needed is a length in mm, 0.01 to 10000".into())
 }
 
+fn stitch_distance_m(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok();
+    parsed
+        .filter(|metres: &f64| *metres > 0.0)
+        .ok_or_else(|| "needed is a distance in m above 0, or inf".into())
+}
+
 fn field_deg(text: &str) -> Result<f64, String> {
     let parsed = text.parse().ok();
     parsed
@@ -148,9 +160,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     if let (Some(left), Some(right)) = (&args.left, &args.right) {
         return stereo::run(args, [left, right]);
     }
-    for file in args.outputs() {
-        files::check_writable(file)?;
-    }
+    files::check_outputs(args.outputs(), list(&args.pictures)?)?;
     let shots = shots::take(args, &args.pictures)?;
     let kept = |error| shots.and_kept(error);
     let eye = CalibratedShots::new(args, &shots, &args.options()).map_err(kept)?;
@@ -182,7 +192,7 @@ impl Args {
 
     fn options(&self) -> Options {
         Options {
-            model: self.model.into(),
+            model: self.model.map(Into::into),
             degree: self.degree,
             decentring: !self.no_decentring,
             ..Options::default()

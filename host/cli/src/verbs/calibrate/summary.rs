@@ -3,14 +3,15 @@
 use std::fmt::Write;
 
 use serde_json::{Value, json};
+use tectum_calibrate::ViewFit;
 use tectum_calibrate::report::verdict::Verdict;
 
 use super::{Args, CalibratedShots, outputs};
 use crate::detecting;
-use crate::report::Report;
+use crate::report::{Report, path_json, paths_json};
 
-/// Models shown to a person; a script gets all.
-const MOST_MODELS: usize = 4;
+/// Best models shown to a person, with the one chosen; a script gets all.
+const MAX_MODELS: usize = 4;
 
 /// Figures, models, and what is missing.
 pub fn report(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<Report> {
@@ -39,11 +40,16 @@ fn text(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> String {
     let _ = writeln!(
         text,
         "pictures   {} of {}\ncorners    {} of {seen}\nRMS        {:.3} px, {held_out}\n\
+         all found  {:.3} px over every corner found{}\n\
          field      {:.1} degrees (full angle that the boards reach)",
         calibration.views_used(),
         shots.detections.pictures.len(),
         calibration.corners_used(),
         calibration.rms_px,
+        calibration.all_rms_px(),
+        calibration
+            .held_out_all_rms_px
+            .map_or(String::new(), |rms_px| format!(", {rms_px:.3} px held out")),
         field_deg(eye),
     );
     if let Some(shape) = &calibration.board_shape {
@@ -69,24 +75,40 @@ fn text(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> String {
     let mut scores: Vec<_> = calibration.scores.iter().collect();
     let rank = |rms: Option<f64>| rms.unwrap_or(f64::INFINITY);
     scores.sort_by(|a, b| rank(a.held_out_rms_px).total_cmp(&rank(b.held_out_rms_px)));
-    for score in scores
-        .iter()
-        .filter(|s| s.failure.is_none())
-        .take(MOST_MODELS)
-    {
+    let sound = scores.iter().filter(|s| s.failure.is_none()).enumerate();
+    for (_, score) in sound.filter(|(rank, score)| *rank < MAX_MODELS || score.chosen) {
         let held_out = score
             .held_out_rms_px
             .map_or("-".into(), |rms| format!("{rms:.3}"));
         let _ = writeln!(
             text,
-            "{:<24} {held_out:>13} {:>13.3}",
-            score.name, score.rms_px
+            "{:<28} {held_out:>9} {:>13.3}{}",
+            score.name,
+            score.rms_px,
+            if score.chosen { "  chosen" } else { "" }
         );
+    }
+    for score in &calibration.scores {
+        if let Some(why) = &score.failure {
+            let _ = writeln!(text, "refused: {}: {why}", score.name);
+        }
     }
     text.push('\n');
     for (file, _, _, fit) in eye.views() {
         if let Some(rejection) = &fit.rejection {
             let _ = writeln!(text, "left out {}: {rejection}", file.display());
+            continue;
+        }
+        let dropped: Vec<f64> = dropped(fit).map(|(_, length_px)| length_px).collect();
+        if !dropped.is_empty() {
+            let _ = writeln!(
+                text,
+                "left out {} of {} corners of {}: {:.2} px off at most, more than chance allows",
+                dropped.len(),
+                fit.corners.len(),
+                file.display(),
+                dropped.iter().copied().fold(0.0, f64::max)
+            );
         }
     }
     let no_board = without_board(eye);
@@ -113,6 +135,16 @@ fn text(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> String {
     text
 }
 
+/// Corners of a view that are outliers, by index, and how far off they are, px.
+fn dropped(fit: &ViewFit) -> impl Iterator<Item = (usize, f64)> {
+    let corners = fit.corners.iter().enumerate();
+    let dropped = corners.filter(|(_, corner)| fit.rejection.is_none() && !corner.used);
+    dropped.map(|(index, corner)| {
+        let [x, y] = corner.residual_px;
+        (index, x.hypot(y))
+    })
+}
+
 fn field_deg(eye: &CalibratedShots<'_>) -> f64 {
     2.0 * eye.calibration.field_rad.to_degrees()
 }
@@ -135,13 +167,19 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
     let views: Vec<Value> = eye
         .views()
         .map(|(file, sha256, view, fit)| {
+            let dropped = dropped(fit).map(|(index, off_px)| {
+                let corner = view.corners[index];
+                json!({ "column": corner.i, "row": corner.j, "off_px": off_px })
+            });
+            let dropped: Vec<Value> = dropped.collect();
             json!({
-                "file": file,
+                "file": path_json(file),
                 "sha256": sha256,
                 "corners": view.corners.len(),
                 "corners_used": fit.corners.iter().filter(|corner| corner.used).count(),
                 "rms_px": fit.rms_px,
                 "accepted": fit.rejection.is_none(),
+                "corners_left_out": dropped,
             })
         })
         .collect();
@@ -149,7 +187,7 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         .views()
         .filter_map(|(file, _, _, fit)| {
             let reason = fit.rejection.as_ref()?.to_string();
-            Some(json!({ "file": file, "reason": reason }))
+            Some(json!({ "file": path_json(file), "reason": reason }))
         })
         .collect();
     let parameters: Vec<Value> = calibration
@@ -167,6 +205,7 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
                 "rms_px": score.rms_px,
                 "held_out_rms_px": score.held_out_rms_px,
                 "failure": score.failure,
+                "chosen": score.chosen,
             })
         })
         .collect();
@@ -177,6 +216,8 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         "corners": calibration.corners_used(),
         "rms_px": calibration.rms_px,
         "held_out_rms_px": calibration.held_out_rms_px,
+        "all_rms_px": calibration.all_rms_px(),
+        "held_out_all_rms_px": calibration.held_out_all_rms_px,
         "field_deg": field_deg(eye),
         "size_px": calibration.size_px,
         "board_shape": calibration.board_shape,
@@ -193,6 +234,6 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         "session": shots.folder,
         "verdict": verdict.sentence,
         "advice": verdict.advice,
-        "files": args.outputs().collect::<Vec<_>>(),
+        "files": paths_json(args.outputs()),
     })
 }

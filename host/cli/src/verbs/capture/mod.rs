@@ -90,6 +90,8 @@ fn list() -> anyhow::Result<Report> {
 
 #[cfg(feature = "v4l2")]
 fn list() -> anyhow::Result<Report> {
+    use crate::report::{path_json, paths_json};
+
     let cameras = tectum_capture::device::list();
     let mut text = String::new();
     for camera in &cameras {
@@ -106,8 +108,8 @@ fn list() -> anyhow::Result<Report> {
         .iter()
         .map(|camera| {
             serde_json::json!({
-                "node": camera.node, "product": camera.product,
-                "stable_names": camera.stable_names, "offered": camera.offered,
+                "node": path_json(&camera.node), "product": camera.product,
+                "stable_names": paths_json(&camera.stable_names), "offered": camera.offered,
             })
         })
         .collect();

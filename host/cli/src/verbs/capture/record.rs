@@ -3,12 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
-use serde_json::json;
 use tectum_capture::{Operator, Recorder, VideoKind};
 
 use super::Args;
 use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
-use crate::report::Report;
+use crate::report::{Report, path_json};
 
 /// Records `left` and `right` in `folder`, in pairs: frame n of both were taken together.
 pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyhow::Result<Report> {
@@ -44,7 +43,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
                 recorder.frames(),
                 recorder.bytes() as f64 / 1e6
             );
-            json["videos"][name] = json!(recorder.path());
+            json["videos"][name] = path_json(recorder.path());
         }
     }
     Ok(Report::new(text + &watch.text(), json))

@@ -52,7 +52,7 @@ impl Row {
             ray_share: share(search.as_ref().map_or(0, |found| kept(&found.inliers))),
             rotation_off_rad: search.map(|found| {
                 let turn = found.pose.rotation * RelativePose::of(eyes).rotation.inverse();
-                turn.angle()
+                tectum_optics::vector_of_rotation(&turn).norm()
             }),
             name,
             view,

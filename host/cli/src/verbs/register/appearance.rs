@@ -5,7 +5,7 @@ use image::RgbImage;
 use tectum_bake::{BakeOptions, Format, Pair, Pass, bake, stitch};
 use tectum_core::{Sampler, Tables};
 use tectum_optics::{Projection, RgbCurves, Rig};
-use tectum_stitch::align::{AlignOptions, AlignSummary, Warp, align};
+use tectum_stitch::align::{AlignOptions, AlignSummary, SeamMatch, Warp, align};
 use tectum_stitch::colour::{ColourSummary, match_eyes, midway};
 use tectum_stitch::seam::{Overlap, Quality, Seam, SeamOptions, band};
 use tectum_stitch::{Eyes, Views};
@@ -27,6 +27,8 @@ pub struct Appearance {
     /// Similarity along the seam before and after alignment: angle around the eyes' axis, rad, and
     /// SSIM.
     pub along: [Vec<[f64; 2]>; 2],
+    /// What both eyes show along the seam, at whatever range.
+    pub matches: Vec<SeamMatch>,
     /// What could not be done, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -40,6 +42,7 @@ impl Appearance {
             warp: None,
             alignment: None,
             along: [Vec::new(), Vec::new()],
+            matches: Vec::new(),
             warnings: Vec::new(),
         };
         found.match_colours(args, rig, pictures)?;
@@ -47,10 +50,11 @@ impl Appearance {
             return Ok(found);
         }
         let shots: Vec<Eyes<&RgbImage>> = pictures.iter().map(|pair| pair.each_ref()).collect();
-        let options = AlignOptions {
+        let mut options = AlignOptions {
             width_px: args.width,
             ..AlignOptions::default()
         };
+        options.outputs.push(for_size(args.size.0)?);
         if args.no_align {
             found.seam = Some(found.cut(rig, &shots, &options)?);
         } else {
@@ -58,6 +62,7 @@ impl Appearance {
             (found.seam, found.warp) = (Some(aligned.seam), aligned.warp);
             found.alignment = Some(aligned.summary);
             found.along = aligned.along;
+            found.matches = aligned.matches;
         }
         Ok(found)
     }
@@ -110,6 +115,55 @@ impl Appearance {
         let views: Vec<Views> = shots.iter().map(view).collect();
         let overlap = Overlap::new(&views[0], options.margin_px);
         Ok(Seam::find(&views, overlap, &SeamOptions::default())?)
+    }
+}
+
+/// What baking makes of a size by default.
+fn for_size(size_px: [u16; 2]) -> anyhow::Result<BakeOptions> {
+    Ok(BakeOptions {
+        output: Projection::Equirect.output_map(size_px)?,
+        max_error_px: 0.05,
+        feather_rad: 4f64.to_radians(),
+    })
+}
+
+/// What the table costs.
+pub struct Cost {
+    /// Size of the stitched picture, px.
+    pub size_px: [u16; 2],
+    /// Bytes of the table of the rig as it was, or why there is none.
+    pub before: Result<usize, String>,
+    /// The same as it is now.
+    pub after: Result<usize, String>,
+    /// How far a look-up in the stitched picture is off where the eyes are bent, degrees.
+    pub bend_deg: Option<f64>,
+}
+
+impl Cost {
+    pub fn of(before: &Rig, after: &Rig, size_px: [u16; 2]) -> anyhow::Result<Self> {
+        let options = for_size(size_px)?;
+        let baked = |rig| bake(rig, &options).map_err(|error| error.to_string());
+        let after = baked(after);
+        let bend = after.as_ref().ok().and_then(|baked| baked.report.bend_deg);
+        Ok(Self {
+            size_px,
+            before: baked(before).map(|baked| baked.bytes.len()),
+            after: after.map(|baked| baked.bytes.len()),
+            bend_deg: bend.map(|bend| bend.max),
+        })
+    }
+
+    /// A sentence.
+    pub fn text(&self) -> String {
+        let [width, height] = self.size_px;
+        match (&self.before, &self.after) {
+            (Ok(before), Ok(after)) => format!(
+                "{after} bytes at {width}x{height}, {before} before registration ({:.2} times)",
+                *after as f64 / *before as f64
+            ),
+            (Err(_), Ok(after)) => format!("{after} bytes at {width}x{height}"),
+            (_, Err(error)) => format!("none at {width}x{height}: {error}"),
+        }
     }
 }
 

@@ -13,15 +13,18 @@ use anyhow::bail;
 use clap::ValueEnum;
 use image::RgbImage;
 use tectum_optics::Rig;
-use tectum_stitch::Eyes;
-use tectum_stitch::registration::Registration;
+use tectum_stitch::distance::Toward;
+use tectum_stitch::registration::{Registration, Tie};
+use tectum_stitch::seam::Loss;
+use tectum_stitch::{Correspondence, Eyes};
 
+use crate::args::Size;
 use crate::boards::TargetArgs;
 use crate::files;
 use crate::paired::{self, PairArgs};
 use crate::progress::Progress;
 use crate::report::Report;
-use appearance::Appearance;
+use appearance::{Appearance, Cost};
 use distance::{Distance, Wanted};
 use ties::Ties;
 
@@ -39,9 +42,11 @@ const LOOKED_AT: usize = 12;
     the same directions: corners of boards (`tectum board` writes the target's JSON beside the print),\n\
     or natural features, for which the eyes must not have turned by more than 10 degrees. Then the\n\
     colours are matched, the seam is cut where it shows least, and the eyes are bent towards each\n\
-    other along it where that makes it better. `tectum bake` puts all of it into the table; the fish\n\
-    pays nothing for it.\n\n\
-    Beside OUT.toml are written OUT-seam.png, OUT-tone.png and OUT-warp.png, which it names.")]
+    other along it where that makes it better and the table's mesh carries it. `tectum bake` puts all\n\
+    of it into the table. Boards decide how the eyes are turned; the scene to swim in decides seam and\n\
+    colours: give pictures of it with --scene-left and --scene-right.\n\n\
+    Beside OUT.toml are written pictures that it names: OUT-seam-HASH.png, OUT-tone-HASH.png and\n\
+    OUT-warp-HASH.png. All are written before OUT.toml, which is replaced last.")]
 pub struct Args {
     /// Rig file to begin with
     rig: PathBuf,
@@ -61,10 +66,25 @@ pub struct Args {
     /// Leave the eyes as the rig has them: colours, seam and alignment only
     #[arg(long, conflicts_with_all = ["target", "board", "matcher"])]
     keep_poses: bool,
-    /// Distance at which the pictures are joined, m, `inf`, or `auto`: as the pictures have it, if
-    /// they say so clearly (default: the rig's)
-    #[arg(long, value_name = "auto|METRES", value_parser = distance::parse)]
+    /// Distance at which the pictures are joined, m, `inf`, `boards` (where they stand), or `auto`: as
+    /// the pictures have it, if they say so clearly (default: the rig's)
+    #[arg(long, value_name = "auto|boards|METRES", value_parser = distance::parse)]
     distance: Option<Wanted>,
+    /// Directions whose distance `--distance auto` looks for: yaws in degrees from right to left, or
+    /// `all`
+    #[arg(long, value_name = "FROM..TO|all", value_parser = distance::parse_toward,
+          default_value = "-45..45", allow_hyphen_values = true)]
+    toward: Toward,
+    /// Pictures of the left eye for colours, seam and bend, where those with the boards only show how
+    /// the eyes are turned
+    #[arg(long, value_name = "A", num_args = 1.., requires = "scene_right")]
+    scene_left: Vec<PathBuf>,
+    /// Pictures of the right eye taken with them
+    #[arg(long, value_name = "B", num_args = 1.., requires = "scene_left")]
+    scene_right: Vec<PathBuf>,
+    /// Size of the stitched picture that the rig will be baked for, px
+    #[arg(long, value_name = "WxH", default_value = "640x320")]
+    size: Size,
     /// How colours are brought together
     #[arg(long, value_enum, default_value_t = ToneName::Match)]
     tone: ToneName,
@@ -112,11 +132,16 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let mut rig = Rig::load(&args.rig)?;
     // Found anew below: an earlier bend in the pictures would be measured, but not written.
     rig.stitching = None;
+    let plain = rig.clone();
     let outputs = outputs::Outputs::new(args);
-    for file in outputs.all() {
-        files::check_writable(file)?;
-    }
     let paired = args.pairs.paired()?;
+    let pictures = paired.files.iter().flatten();
+    let pictures = pictures.chain(&args.scene_left).chain(&args.scene_right);
+    let pictures = pictures.cloned();
+    files::check_outputs(
+        outputs.named(),
+        pictures.chain(files::rig_inputs(&args.rig)),
+    )?;
     let progress = Progress::new(5);
     progress.step("matching");
     let (ties, registration) = if args.keep_poses {
@@ -128,19 +153,36 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         (Some(ties), Some(registration))
     };
     let found = registration.as_ref().map_or(&rig, |found| &found.rig);
-    let every = paired.files.len().div_ceil(LOOKED_AT).max(1);
-    let looked_at = paired.files.iter().step_by(every);
+    let scenes = match args.scene_left.is_empty() {
+        true => None,
+        false => Some(paired::of_files(&args.scene_left, &args.scene_right)?),
+    };
+    let files = scenes
+        .as_ref()
+        .map_or(&paired.files, |scenes| &scenes.files);
+    let every = files.len().div_ceil(LOOKED_AT).max(1);
+    let looked_at = files.iter().step_by(every);
     let pictures: anyhow::Result<Vec<Eyes<RgbImage>>> =
         looked_at.map(|files| paired::load(found, files)).collect();
     let pictures = pictures?;
     progress.step("stitch distance");
-    let distance = Distance::choose(args.distance, found, &pictures)?;
+    let points = ties.as_ref().map_or(&[][..], |ties| &ties.ties);
+    let distance = Distance::choose(args.distance, found, &pictures, args.toward, points)?;
     let registered = &distance.rig;
     progress.step("colours and seam");
-    let appearance = Appearance::find(args, registered, &pictures)?;
+    let mut appearance = Appearance::find(args, registered, &pictures)?;
+    if scenes.is_none() && ties.as_ref().is_some_and(|ties| !ties.outcomes.is_empty()) {
+        appearance.warnings.push(
+            "Colours, seam and bend come from pictures with boards in them, and the seam goes round \
+             these: give pictures of a scene with --scene-left and --scene-right."
+                .into(),
+        );
+    }
     progress.step("writing");
     let (rig, mut written) = outputs.write_rig(registered, &appearance)?;
     let stitched = appearance::stitched(&rig, &pictures[0])?;
+    let cost = Cost::of(&plain, &rig, args.size.0)?;
+    let loss = loss(&rig, points, &appearance);
     let done = Done {
         args,
         files: &paired.files,
@@ -150,11 +192,13 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         appearance: &appearance,
         stitched: &stitched,
         pictures: &pictures,
-        every,
+        every: scenes.is_none().then_some(every),
+        cost: &cost,
+        loss,
     };
     if let Some(path) = outputs.report() {
         files::write(path, page::html(&done).as_bytes())?;
-        written.push(path);
+        written.push(path.to_owned());
     }
     Ok(summary::report(&done, &paired.alone, &written))
 }
@@ -168,9 +212,20 @@ struct Done<'a> {
     distance: &'a Distance,
     appearance: &'a Appearance,
     stitched: &'a appearance::Stitched,
-    /// Of every so many shots.
+    /// What colours and seam come from.
     pictures: &'a [Eyes<RgbImage>],
-    every: usize,
+    /// They are every so many of the shots; `None` if they are others.
+    every: Option<usize>,
+    cost: &'a Cost,
+    loss: Option<Loss>,
+}
+
+/// What the seam cuts away and shows twice of the points that were matched, or along the seam.
+fn loss(rig: &Rig, ties: &[Tie], found: &Appearance) -> Option<Loss> {
+    let seam = rig.stitching.as_ref().and_then(|s| s.seam.as_ref());
+    let points: Vec<Correspondence> = ties.iter().map(|tie| tie.pair).collect();
+    seam.and_then(|seam| Loss::of_points(rig, seam, &points))
+        .or_else(|| Loss::of_parallaxes(found.matches.iter().map(|found| found.parallax_rad)))
 }
 
 impl Done<'_> {

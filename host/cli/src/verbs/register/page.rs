@@ -21,9 +21,10 @@ pub fn html(done: &Done) -> String {
         .enumerate()
         .map(|(shot, matches)| Shot {
             name: &names[shot],
-            pictures: (shot % done.every == 0)
-                .then(|| done.pictures.get(shot / done.every))
-                .flatten()
+            pictures: done
+                .every
+                .filter(|every| shot % every == 0)
+                .and_then(|every| done.pictures.get(shot / every))
                 .map(|pair| pair.each_ref()),
             matches,
         })
@@ -121,6 +122,13 @@ fn figures(done: &Done) -> Vec<Figure> {
             ),
             "SSIM along the seam",
             "before and after local alignment".into(),
+        );
+    }
+    if let Some(loss) = &done.loss {
+        add(
+            format!("{:.1}°", loss.lost_deg),
+            "cut away at the seam",
+            format!("{:.1}° shown twice", loss.doubled_deg),
         );
     }
     if let Some(quality) = &done.stitched.quality {

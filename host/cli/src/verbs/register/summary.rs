@@ -1,18 +1,19 @@
 //! What registration says, to a person and to a script.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use nalgebra::Vector3;
 use serde_json::{Value, json};
 use tectum_stitch::registration::parallax_at;
+use tectum_stitch::seam::{RangeLoss, range_losses};
 
-use super::distance::named;
 use super::ties::Ties;
 use super::{Done, agreeing};
-use crate::report::Report;
+use crate::report::{Report, paths_json};
 
 /// The verb's report.
-pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
+pub fn report(done: &Done, alone: &[PathBuf], written: &[PathBuf]) -> Report {
     let mut text = format!(
         "{}: {} pairs of pictures\n\n",
         done.args.output.display(),
@@ -20,7 +21,18 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
     );
     poses(done, &mut text);
     let _ = writeln!(text, "distance   {}", done.distance.text());
+    if let Some(boards) = done.distance.boards() {
+        let _ = writeln!(text, "           {boards}");
+    }
     appearance(done, &mut text);
+    losses(done, &mut text);
+    let _ = writeln!(text, "table      {}", done.cost.text());
+    if let Some(bend) = done.cost.bend_deg {
+        let _ = writeln!(
+            text,
+            "bend       a look-up in the stitched picture is off by up to {bend:.3} degrees"
+        );
+    }
     for warning in &done.appearance.warnings {
         let _ = writeln!(text, "{warning}");
     }
@@ -37,7 +49,7 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
     let _ = writeln!(text, "wrote      {}", names.join(", "));
     let json = json!({
         "pairs": done.files.len(),
-        "unpaired": alone,
+        "unpaired": paths_json(alone),
         "matcher": done.ties.map(|ties| ties.matcher),
         "matches": done.ties.map(Ties::matches),
         "refused": done.ties.map(|ties| ties.refused().collect::<Vec<_>>()),
@@ -52,8 +64,16 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
         "colour": done.appearance.colour,
         "alignment": done.appearance.alignment,
         "seam": seam_json(done),
+        "ahead": range_losses(&done.distance.rig, &Vector3::x()),
+        "loss": done.loss,
+        "table": {
+            "size_px": done.cost.size_px,
+            "bytes": done.cost.after.as_ref().ok(),
+            "bytes_before": done.cost.before.as_ref().ok(),
+            "bend_deg": done.cost.bend_deg,
+        },
         "warnings": done.appearance.warnings,
-        "files": written,
+        "files": paths_json(written),
     });
     Report::new(text, json)
 }
@@ -92,17 +112,30 @@ fn poses(done: &Done, text: &mut String) {
         found.lens_scales[1],
         found.baseline_m * 1e3,
     );
-    let parallax = parallax_at(found.baseline_m, done.distance.metres());
-    let rows = parallax.iter().map(|row| {
-        format!(
-            "{:.2} degrees at {}",
-            row.angle_deg.abs(),
-            named(row.range_m)
-        )
-    });
-    let rows: Vec<String> = rows.collect();
-    if found.baseline_m > 0.0 {
-        let _ = writeln!(text, "parallax   {}", rows.join(", "));
+}
+
+/// What the seam cuts away or shows twice.
+fn losses(done: &Done, text: &mut String) {
+    let rows = range_losses(&done.distance.rig, &Vector3::x());
+    if rows.iter().any(|row| row.lost_deg.abs() >= 0.005) {
+        let row = |row: &RangeLoss| {
+            let what = if row.lost_deg > 0.0 { "cut" } else { "doubled" };
+            let at = match row.range_m.is_finite() {
+                true => format!("at {} m", row.range_m),
+                false => "far away".to_owned(),
+            };
+            format!("{:.2} {what} {at}", row.lost_deg.abs())
+        };
+        let rows: Vec<String> = rows.iter().map(row).collect();
+        let _ = writeln!(text, "ahead      degrees: {}", rows.join(", "));
+    }
+    if let Some(loss) = &done.loss {
+        let _ = writeln!(
+            text,
+            "lost       of {} points in both eyes {} are shown by neither and {} twice; at the seam up \
+             to {:.2} degrees are cut away and {:.2} shown twice",
+            loss.points, loss.lost, loss.doubled, loss.lost_deg, loss.doubled_deg
+        );
     }
 }
 
@@ -123,10 +156,11 @@ fn appearance(done: &Done, text: &mut String) {
             .count();
         let _ = writeln!(
             text,
-            "alignment  {accepted} of {} bad pieces of the seam, bent by up to {:.2} degrees; SSIM \
-             along it {:.3}, {:.3} after",
+            "alignment  {accepted} of {} bad pieces of the seam, bent by up to {:.2} degrees ({} \
+             matches at other distances left out); SSIM along it {:.3}, {:.3} after",
             alignment.pieces.len(),
             alignment.greatest_deg,
+            alignment.elsewhere,
             alignment.ssim_before,
             alignment.ssim_after
         );

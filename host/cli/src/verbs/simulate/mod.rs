@@ -13,7 +13,7 @@ use tectum_optics::convention::yaw_pitch;
 use tectum_scene::{RenderOptions, Rendered, Scene, Seen, Truth, Wall, camera, render};
 
 use crate::progress::Progress;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 use crate::{files, pictures, pool};
 
 /// The simulated pool as the eyes of a rig see it
@@ -86,6 +86,9 @@ enum MotionName {
 /// Simulates.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let rig = Rig::load(&args.rig)?;
+    let written = ["scene.toml", "left.png", "right.png"].map(|name| args.output.join(name));
+    let inputs = files::rig_inputs(&args.rig);
+    files::check_outputs(&written, inputs.iter().chain(&args.scene))?;
     let description = match &args.scene {
         Some(path) => pool::load(path)?,
         None => pool::furnished(&rig),
@@ -123,7 +126,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let text = format!("{}: {}", args.output.display(), written.join(", "));
     Ok(Report::new(
         text,
-        json!({ "folder": args.output, "files": written }),
+        json!({ "folder": path_json(&args.output), "files": written }),
     ))
 }
 

@@ -10,7 +10,7 @@ use tectum_scene::{Motion, Scene};
 use super::{Args, MotionName};
 use crate::cameras::Attitude;
 use crate::progress::Progress;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 use crate::{files, pool};
 
 /// Renders both eyes frame by frame.
@@ -75,6 +75,6 @@ pub fn run(args: &Args, name: MotionName, rig: &Rig, scene: &Scene) -> anyhow::R
             args.output.display(),
             written.join(", ")
         ),
-        json!({ "folder": args.output, "frames": frames, "files": written }),
+        json!({ "folder": path_json(&args.output), "frames": frames, "files": written }),
     ))
 }

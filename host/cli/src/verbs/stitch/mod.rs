@@ -17,7 +17,7 @@ use tectum_stitch::registration::planar::{self, PlanarOptions};
 
 use crate::cameras::{CameraOptions, Limits, LiveScales, ViewArgs};
 use crate::frames::Frames;
-use crate::report::{Report, Usage};
+use crate::report::{Report, Usage, path_json};
 use crate::{files, paired, pictures};
 
 /// Pictures of both eyes to one, as the fish does it
@@ -116,6 +116,9 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         return Err(Usage("options of cameras go with --live".into()).into());
     }
     pictures::format_of(&args.output)?;
+    let given = [&args.left, &args.right, &args.picture];
+    let inputs = given.into_iter().flatten().cloned();
+    files::check_outputs([&args.output], inputs.chain(files::rig_inputs(&args.table)))?;
     if args.paper {
         return planar(args);
     }
@@ -163,7 +166,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             args.output.display(),
             seconds * 1e3
         ),
-        json!({ "picture": args.output, "width": width, "height": height, "seconds": seconds }),
+        json!({ "picture": path_json(&args.output), "width": width, "height": height, "seconds": seconds }),
     ))
 }
 
@@ -193,7 +196,7 @@ fn planar(args: &Args) -> anyhow::Result<Report> {
             found.rms_px
         ),
         json!({
-            "picture": args.output, "width": width, "height": height, "seconds": seconds,
+            "picture": path_json(&args.output), "width": width, "height": height, "seconds": seconds,
             "overlap_held": share, "rms_px": found.rms_px,
             "h": found.h, "h1": found.h1, "h2": found.h2,
         }),

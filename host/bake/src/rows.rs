@@ -1,0 +1,189 @@
+//! The runs of all output rows, and fewer different rows where a seam's transition may move a little.
+
+use rayon::prelude::*;
+use tectum_tables::builder::RunData;
+
+use crate::seam::row_runs;
+use crate::sights::Sights;
+
+/// How far the transition of a seam map may move along a row so that rows can share their runs: a
+/// pixel for this many of the output's width, and at least one. A seam is cut where both eyes look
+/// alike, so a third of a degree beside it is as good.
+const WIDTH_PER_SHIFT_PX: usize = 1024;
+/// Rows that share their runs, at most: bounds the work where a seam runs straight down.
+const MAX_SHARING: usize = 32;
+
+/// The left eye's weight at every output pixel, row by row; NaN where neither eye sees anything.
+pub struct Weights {
+    width_px: usize,
+    values: Vec<f64>,
+}
+
+impl Weights {
+    /// From a function of column, row and the angles off both optical axes.
+    pub fn new(
+        sights: &Sights,
+        weight: impl Fn(usize, usize, [Option<f64>; 2]) -> Option<f64> + Sync,
+    ) -> Self {
+        let width = sights.width_px;
+        let of_pixel = |i: usize| {
+            let off_axis = sights.pixels[i].map(|sight| sight.map(|s| s.off_axis_rad));
+            weight(i % width, i / width, off_axis).unwrap_or(f64::NAN)
+        };
+        Self {
+            width_px: width,
+            values: (0..sights.pixels.len())
+                .into_par_iter()
+                .map(of_pixel)
+                .collect(),
+        }
+    }
+
+    /// Runs of every row, followed within `tolerance`.
+    pub fn rows(&self, tolerance: f64) -> Vec<Vec<RunData>> {
+        self.values
+            .par_chunks_exact(self.width_px)
+            .map(|row| {
+                let weights: Vec<Option<f64>> = row
+                    .iter()
+                    .map(|weight| (!weight.is_nan()).then_some(*weight))
+                    .collect();
+                row_runs(&weights, tolerance)
+            })
+            .collect()
+    }
+
+    /// The same with neighbouring rows made equal wherever one row's runs serve the others: no weight
+    /// is farther than `tolerance` beyond what the row has a shift away ([`WIDTH_PER_SHIFT_PX`]), and
+    /// no eye shows what it does not see. A table stores equal rows once.
+    pub fn fewer_rows(&self, tolerance: f64, sights: &Sights) -> Vec<Vec<RunData>> {
+        let rows = self.rows(tolerance);
+        let shift_px = (self.width_px / WIDTH_PER_SHIFT_PX).max(1);
+        let ranges: Vec<Vec<[f64; 2]>> = self
+            .values
+            .par_chunks_exact(self.width_px)
+            .map(|row| ranges(row, shift_px, tolerance))
+            .collect();
+        let serves = |row: usize, runs: &[RunData]| {
+            let first = row * self.width_px;
+            let seen = &sights.pixels[first..first + self.width_px];
+            shown(runs)
+                .zip(&ranges[row])
+                .zip(seen)
+                .all(|((weight, [low, high]), [left, right])| match weight {
+                    None => left.is_none() && right.is_none(),
+                    Some(weight) => {
+                        (*low..=*high).contains(&weight)
+                            && (left.is_some() || weight == 0.0)
+                            && (right.is_some() || weight == 1.0)
+                    }
+                })
+        };
+        let mut shared = Vec::with_capacity(rows.len());
+        while shared.len() < rows.len() {
+            let first = shared.len();
+            let most = MAX_SHARING.min(rows.len() - first);
+            let middle = |count: usize| first + (count - 1) / 2;
+            let count = (2..=most)
+                .take_while(|count| {
+                    let runs = &rows[middle(*count)];
+                    (first..first + count).all(|row| serves(row, runs))
+                })
+                .last()
+                .unwrap_or(1);
+            let runs = &rows[middle(count)];
+            shared.extend(std::iter::repeat_n(runs, count).cloned());
+        }
+        shared
+    }
+}
+
+/// Least and greatest weight that a pixel may have: of the row within `shift_px`, and `tolerance`.
+fn ranges(row: &[f64], shift_px: usize, tolerance: f64) -> Vec<[f64; 2]> {
+    let range = |x: usize| {
+        let near = &row[x.saturating_sub(shift_px)..(x + shift_px + 1).min(row.len())];
+        // NaN is passed over by both.
+        let low = near.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        [low - tolerance, high + tolerance]
+    };
+    (0..row.len()).map(range).collect()
+}
+
+/// The left eye's weight at each pixel of a row as its runs have it; `None` where nothing is shown.
+fn shown(runs: &[RunData]) -> impl Iterator<Item = Option<f64>> + '_ {
+    runs.iter().flat_map(|run| {
+        let (len, ends) = match *run {
+            RunData::Void(len) => (len, None),
+            RunData::Left(len) => (len, Some([1.0, 1.0])),
+            RunData::Right(len) => (len, Some([0.0, 0.0])),
+            RunData::Blend(len, edges) => {
+                let weight = |edge: u8| f64::from(u16::from(edge) + u16::from(edge >> 7)) / 256.0;
+                (len, Some(edges.map(weight)))
+            }
+        };
+        (0..len).map(move |i| {
+            let part = (f64::from(i) + 0.5) / f64::from(len);
+            ends.map(|[a, b]| a + (b - a) * part)
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seam::SEAM_MAP_TOLERANCE;
+    use crate::sights::Sight;
+
+    /// A seam that leans by a fifth of a pixel a row; both eyes see all but the first 20 columns,
+    /// which the left eye alone sees.
+    fn leaning() -> (Weights, Sights) {
+        let (width, height) = (64, 40);
+        let sight = Some(Sight {
+            pixel: [1.0; 2],
+            off_axis_rad: 1.0,
+        });
+        let pixel = |i: usize| [sight, sight.filter(|_| i % width >= 20)];
+        let sights = Sights {
+            width_px: width,
+            pixels: (0..width * height).map(pixel).collect(),
+        };
+        let weights = Weights::new(&sights, |x, y, [left, right]| {
+            let cut = 22.0 + y as f64 / 5.0;
+            match (left, right) {
+                (Some(_), Some(_)) => Some((0.5 - (x as f64 - cut) / 4.0).clamp(0.0, 1.0)),
+                _ => Some(1.0),
+            }
+        });
+        (weights, sights)
+    }
+
+    #[test]
+    fn rows_share_runs_that_serve_them_all() {
+        let (weights, sights) = leaning();
+        let exact = weights.rows(SEAM_MAP_TOLERANCE);
+        let shared = weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights);
+        let different = |rows: &[Vec<RunData>]| {
+            let mut rows = rows.to_vec();
+            rows.dedup();
+            rows.len()
+        };
+        println!("{} rows of {}", different(&shared), different(&exact));
+        // Within a pixel to each side lie ten rows, and the tolerance adds a little.
+        assert!(different(&shared) <= 5, "{}", different(&shared));
+        for (y, runs) in shared.iter().enumerate() {
+            for (x, weight) in shown(runs).enumerate() {
+                let weight = weight.unwrap();
+                let cut = 22.0 + y as f64 / 5.0;
+                let at = |cut: f64| (0.5 - (x as f64 - cut) / 4.0).clamp(0.0, 1.0);
+                let [low, high] = [at(cut - 1.0), at(cut + 1.0)];
+                let beyond = (low - weight).max(weight - high);
+                assert!(beyond <= SEAM_MAP_TOLERANCE + 1e-6, "{x} {y}");
+                assert!(
+                    x >= 20 || weight == 1.0,
+                    "the right eye does not see {x} {y}"
+                );
+            }
+        }
+    }
+}
