@@ -1,7 +1,7 @@
 //! What an operator at the preview may ask for while frames come: pictures, recordings, marks.
 
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -75,6 +75,11 @@ impl Operator {
         }
     }
 
+    /// There are no more frames: a recording is over.
+    pub fn end(&mut self) {
+        self.recording = None;
+    }
+
     /// Does what was asked. Pictures are encoded on a thread of their own.
     pub fn answer(&mut self, asked: Asked, moment: &Moment<'_>) {
         let time = utc(SystemTime::now());
@@ -84,7 +89,7 @@ impl Operator {
             Request::Record(false) => self.end_recording(&time, moment),
             Request::Mark(name) => self
                 .mark(&time, moment, "mark", &name)
-                .map(|()| format!("marked {name} at {time}")),
+                .map(|()| format!("marked \"{name}\" at {time}")),
         };
         asked.answer(outcome);
     }
@@ -97,7 +102,7 @@ impl Operator {
             .map(|recording| json!({ "name": recording.name, "frames": recording.frames }));
         let free_mb = free_bytes(&self.folder).ok().map(|bytes| bytes >> 20);
         json!({
-            "folder": self.folder, "recording": recording, "failure": self.failure,
+            "folder": self.folder.to_string_lossy(), "recording": recording, "failure": self.failure,
             "records_itself": self.records_itself, "free_mb": free_mb,
             "needed_mb": LEAST_FREE_BYTES >> 20,
         })
@@ -124,13 +129,18 @@ impl Operator {
         })
         .collect();
         let (saving, time) = (self.saving.clone(), time.to_owned());
-        std::thread::spawn(move || {
+        let save_all = move || {
             let saved = pictures
                 .iter()
                 .try_for_each(|(path, picture)| save(picture, path));
             saving.store(false, Ordering::Relaxed);
             asked.answer(saved.map(|()| format!("{} pictures of {time} saved", pictures.len())));
-        });
+        };
+        let thread = std::thread::Builder::new().name("snapshot".to_owned());
+        if let Err(error) = thread.spawn(save_all) {
+            self.saving.store(false, Ordering::Relaxed);
+            self.failure = Some(format!("no pictures were saved: {error}"));
+        }
     }
 
     fn record(&mut self, time: &str, moment: &Moment<'_>) -> Outcome {
@@ -221,15 +231,26 @@ impl Recording {
     }
 }
 
-/// Writes a PNG file, under another name until it is whole.
+/// Writes a PNG file: under another name until it is whole on the disk.
 fn save(picture: &Picture, path: &Path) -> Result<(), String> {
     let rgb = picture.rgb().ok_or("a frame cannot be decoded")?;
+    let mut png = Cursor::new(Vec::new());
+    let encoded = rgb.write_to(&mut png, image::ImageFormat::Png);
     let unfinished = path.with_extension("part");
-    let written = rgb
-        .save_with_format(&unfinished, image::ImageFormat::Png)
+    let write = || {
+        let mut file = File::create(&unfinished)?;
+        file.write_all(png.get_ref())?;
+        file.sync_all()?;
+        std::fs::rename(&unfinished, path)
+    };
+    let written = encoded
         .map_err(|error| error.to_string())
-        .and_then(|()| std::fs::rename(&unfinished, path).map_err(|error| error.to_string()));
-    written.map_err(|error| format!("{}: {error}", path.display()))
+        .and_then(|()| write().map_err(|error| error.to_string()));
+    written.map_err(|error| {
+        // What is there of it is of no use, and takes room.
+        let _ = std::fs::remove_file(&unfinished);
+        format!("{}: {error}", path.display())
+    })
 }
 
 /// A time as part of a file's name: without colons.

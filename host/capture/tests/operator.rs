@@ -142,3 +142,41 @@ fn pictures_videos_and_marks_are_saved_with_their_time() {
     assert!(lines[3].ends_with(",mark,\"a \"\"big\"\" one\""), "{marks}");
     assert!(lines[4].contains(",record ends,"), "{marks}");
 }
+
+#[test]
+fn a_folder_whose_name_is_not_utf8_is_told_as_far_as_it_goes() {
+    use std::os::unix::ffi::OsStrExt;
+    let name = std::ffi::OsStr::from_bytes(b"dive\xff");
+    let operator = Operator::new(Path::new(name), [30, 1], false);
+    assert_eq!(operator.status()["folder"], "dive\u{fffd}");
+}
+
+#[test]
+fn a_recording_ends_with_the_frames() {
+    let bench = tempfile::tempdir().unwrap();
+    let fixed = Fixed {
+        takes_requests: true,
+        ..Fixed::default()
+    };
+    let preview = Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap();
+    let mut operator = Operator::new(bench.path(), [30, 1], false);
+    let data = [9; 64 * 32];
+    let frame = Frame {
+        data: &data,
+        format: FORMAT,
+        time_ns: 0,
+        sequence: 0,
+        superseded: false,
+    };
+    let moment = Moment {
+        eyes: [None, Some(frame)],
+        stitched: None,
+    };
+    assert!(asked(&preview, &mut operator, &moment, "/record?on=1").0);
+    operator.frames(&moment);
+    assert_eq!(operator.status()["recording"]["frames"], 1);
+    operator.end();
+    assert!(operator.status()["recording"].is_null());
+    let (done, words) = asked(&preview, &mut operator, &moment, "/record?on=0");
+    assert!(!done && words == "nothing is being recorded", "{words}");
+}

@@ -49,7 +49,7 @@ impl ControlSettings {
     }
 
     /// What a device has now, of those that it has.
-    fn of(device: &Device) -> Self {
+    pub(super) fn of(device: &Device) -> Self {
         let value = |id| match device.control(id) {
             Ok(Control {
                 value: Value::Integer(value),

@@ -6,10 +6,12 @@
 mod controls;
 mod failure;
 mod list;
+mod live;
 mod negotiate;
 
 pub use controls::{ControlSettings, lock_together};
 pub use list::{Listed, list, stable_names};
+pub use live::LiveControls;
 pub use negotiate::Wanted;
 
 use std::io;

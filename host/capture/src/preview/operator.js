@@ -46,7 +46,7 @@ function showOperator() {
   record.textContent = recording ? `Stop recording (${recording.frames})` : "Record";
   if (operator.free_mb !== null) {
     const free = operator.free_mb >= 1024 ? `${(operator.free_mb / 1024).toFixed(1)} GB` : `${operator.free_mb} MB`;
-    id("figures").append(figure("free disk", `${free} (${operator.folder})`));
+    id("figures").append(figure("free disk", operator.folder ? `${free} (${operator.folder})` : free));
   }
 }
 

@@ -24,6 +24,10 @@ impl Shared {
         status["frame_age_ms"] = json!(age_ns / 1_000_000);
         status["stalled"] = json!(age_ns > stale_ns && !has_ended);
         status["may_change"] = json!(may_change);
+        if !may_change && let Some(operator) = status["operator"].as_object_mut() {
+            // Where files lie on this machine is nothing for those who only watch.
+            operator.remove("folder");
+        }
         status["takes_requests"] = json!(self.fixed.takes_requests);
         status["controls"] = json!(self.fixed.controls.as_ref().map(|controls| controls.text()));
         let eyes = lock(&self.eyes).clone();

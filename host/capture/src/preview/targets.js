@@ -134,9 +134,15 @@ function listTargets() {
   markTargets();
 }
 
+/** Whether something that was kept can be listed and marked. */
+function isTarget(kept) {
+  const numbers = [kept?.number, kept?.found?.yaw_deg, kept?.found?.pitch_deg];
+  return numbers.every(Number.isFinite) && typeof kept.name === "string";
+}
+
 try {
   const kept = JSON.parse(localStorage.getItem(KEPT));
-  if (Array.isArray(kept)) targets = kept.filter((target) => target?.found && target.name);
+  if (Array.isArray(kept)) targets = kept.filter(isTarget);
 } catch {
   // Nothing that can be read is kept.
 }

@@ -5,7 +5,6 @@ use std::path::Path;
 use anyhow::{Context, bail};
 use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use tectum_bake::{Format, Scales, draw_overlay, output_map};
 use tectum_core::{Overlay, Tables};
 use tectum_optics::OutputMap;
@@ -55,9 +54,6 @@ pub struct Attitude {
     pub roll_deg: f64,
 }
 
-/// How the body is turned, frame by frame.
-pub struct Attitudes(Vec<Attitude>);
-
 impl<'t> LiveScales<'t> {
     /// Scales of the body: every `step_deg` or, if that is not said, the table's own if it has any.
     pub fn of_body(tables: &Tables<'t>, step_deg: Option<f64>) -> anyhow::Result<Self> {
@@ -77,7 +73,7 @@ impl<'t> LiveScales<'t> {
         step_deg: Option<f64>,
         file: &Path,
     ) -> anyhow::Result<Self> {
-        let attitudes = Attitudes::read(file)?.0;
+        let attitudes = Attitude::read_all(file)?;
         Ok(Self::World {
             map: output_map(tables),
             step_deg: step_deg.unwrap_or(USUAL_STEP_DEG),
@@ -108,14 +104,14 @@ impl<'t> LiveScales<'t> {
     }
 }
 
-impl Attitudes {
+impl Attitude {
     /// Reads a file with a row for every frame.
-    pub fn read(file: &Path) -> anyhow::Result<Self> {
+    pub fn read_all(file: &Path) -> anyhow::Result<Vec<Self>> {
         let name = || file.display().to_string();
         let mut rows = csv::Reader::from_path(file).with_context(name)?;
         let mut attitudes = Vec::new();
         for row in rows.deserialize() {
-            let row: Attitude = row.with_context(name)?;
+            let row: Self = row.with_context(name)?;
             if row.frame as usize != attitudes.len() {
                 bail!(
                     "{}: frame {} stands where frame {} should: needed is a row for every frame, \
@@ -128,25 +124,9 @@ impl Attitudes {
             row.check().with_context(name)?;
             attitudes.push(row);
         }
-        Ok(Self(attitudes))
+        Ok(attitudes)
     }
 
-    /// For the page: how the body is turned so long after the first frame, s, by the nearest row.
-    pub fn at(&self, time_s: f64) -> Value {
-        let distance = |row: &&Attitude| (row.time_s - time_s).abs();
-        let nearest = self
-            .0
-            .iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or(Value::Null, |row| {
-            json!({
-                "yaw_deg": row.yaw_deg, "pitch_deg": row.pitch_deg, "roll_deg": row.roll_deg,
-            })
-        })
-    }
-}
-
-impl Attitude {
     /// Refuses numbers that are none, or that no body has.
     fn check(&self) -> anyhow::Result<()> {
         let (metres, degrees) = (

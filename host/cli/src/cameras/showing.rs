@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 
 use tectum_bake::{output_map, scales_svg};
-use tectum_capture::preview::{Fixed, Preview};
+use tectum_capture::preview::{Controls, Fixed, Preview};
 use tectum_core::{Eye, Tables};
 
 use super::Feed;
@@ -31,12 +31,27 @@ pub fn serve(
                 };
                 Box::new(draw) as tectum_capture::preview::DrawScales
             }),
-            controls: None,
+            controls: controls(feed),
             takes_requests,
             eyes: feed.eyes(),
-            period_ns: feed.period_ns(),
+            // A folder's pictures come each second.
+            period_ns: feed
+                .period_ns()
+                .or((!feed.is_live()).then_some(1_000_000_000)),
         },
     )?)
+}
+
+/// The cameras' own controls, where the eyes are cameras.
+#[cfg(feature = "v4l2")]
+fn controls(feed: &Feed) -> Option<Box<dyn Controls>> {
+    let controls = tectum_capture::device::LiveControls::of(&feed.eyes())?;
+    Some(Box::new(controls))
+}
+
+#[cfg(not(feature = "v4l2"))]
+fn controls(_feed: &Feed) -> Option<Box<dyn Controls>> {
+    None
 }
 
 /// What `tectum lookup --json` prints for a pixel.

@@ -9,7 +9,7 @@ use serde_json::json;
 use tectum_capture::{CaptureError, Frame, LiveStitcher, Pair, Recorder};
 use tectum_core::{Eye, Sampler, Tables};
 
-use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt};
+use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt, viewing};
 use crate::files;
 use crate::report::{Report, path_json};
 
@@ -38,16 +38,8 @@ pub fn run(
     scales: Option<LiveScales<'_>>,
     (limits, view): (&Limits, &ViewArgs),
 ) -> anyhow::Result<Report> {
-    let needed = source_size_px(tables)?;
+    viewing::check_size(feed, source_size_px(tables)?)?;
     let given = feed.format();
-    if given.size_px != needed {
-        bail!(
-            "the eyes give {given}, the table needs {}x{} px: give --frame-size, or bake a table \
-             for this size",
-            needed[0],
-            needed[1]
-        );
-    }
     let stop = stop_on_interrupt(limits)?;
     let preview = view
         .view

@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use tectum_capture::{LiveStitcher, Operator, Pace};
 use tectum_core::{Eye, Sampler, Tables};
 
-use super::{Attitudes, Feed, Limits, Watch, showing, stop_on_interrupt};
+use super::{Feed, Limits, Turns, Watch, showing, stop_on_interrupt};
 use crate::report::Report;
 
 /// Requests are looked at this often while the last pictures of a recording stay.
@@ -40,7 +40,7 @@ pub struct Viewing<'a> {
     /// Where what the page asks for is saved.
     pub folder: &'a Path,
     /// How the body is turned.
-    pub attitudes: Option<Attitudes>,
+    pub attitudes: Option<Turns>,
 }
 
 /// Shows feeds from `open` until told to stop.
@@ -56,7 +56,7 @@ pub fn run(
         ..
     } = viewing;
     if let Some(tables) = tables {
-        check_size(&feed, tables)?;
+        check_size(&feed, source_size_px(tables)?)?;
     }
     let stop = stop_on_interrupt(limits)?;
     let preview = showing::serve(viewing.address, &feed, tables, true)?;
@@ -102,6 +102,9 @@ pub fn run(
             watch.begin_again(&feed);
             continue;
         }
+        if watch.shots() == 0 {
+            bail!("no frame came\n{}", watch.text());
+        }
         while !stop.is_set() {
             watch.hold();
             std::thread::sleep(LOOK);
@@ -122,8 +125,9 @@ pub fn source_size_px(tables: &Tables<'_>) -> anyhow::Result<[u16; 2]> {
     }
 }
 
-fn check_size(feed: &Feed, tables: &Tables<'_>) -> anyhow::Result<()> {
-    let (needed, given) = (source_size_px(tables)?, feed.format());
+/// Refuses frames that are not of the size that a table needs.
+pub fn check_size(feed: &Feed, needed: [u16; 2]) -> anyhow::Result<()> {
+    let given = feed.format();
     if given.size_px != needed {
         bail!(
             "the eyes give {given}, the table needs {}x{} px: give --frame-size, or bake a table \

@@ -129,6 +129,9 @@ impl Watch {
     /// There will be no more frames; the last ones stay on the page.
     pub fn hold(&mut self) {
         self.has_ended = true;
+        if let Some(operator) = &mut self.operator {
+            operator.end();
+        }
         let nothing = Moment {
             eyes: [None, None],
             stitched: None,

@@ -1,7 +1,10 @@
 //! The preview in a browser.
 
-use std::io::{BufRead, BufReader};
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -31,6 +34,22 @@ impl Viewing {
             .find_map(|line| line.strip_prefix("preview: ").map(str::to_owned))
             .expect("it says where the preview is");
         Self { process, url }
+    }
+
+    /// What the page is told, without a browser.
+    fn status(&self) -> Value {
+        let address = self.url.strip_prefix("http://").expect("an address");
+        let (address, _) = address.split_once('/').expect("a page");
+        let mut stream = TcpStream::connect(address).expect("it serves");
+        write!(
+            stream,
+            "GET /status.json HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"
+        )
+        .expect("it listens");
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).expect("it answers");
+        let (_, body) = answer.split_once("\r\n\r\n").expect("a body");
+        serde_json::from_str(body).expect("JSON")
     }
 }
 
@@ -135,10 +154,8 @@ fn the_page_shows_new_pictures_and_the_directions_of_lookup() {
         // A finger on the picture scrolls.
         let touch = "getComputedStyle(document.getElementById('stitched')).touchAction";
         let touch = chromium.value(touch);
-        assert!(
-            touch.as_str().is_some_and(|t| t.contains("pan-y")),
-            "{touch}"
-        );
+        // What browsers call the three together: pan-x, pan-y, pinch-zoom.
+        assert_eq!(touch, "manipulation");
         chromium.wait_for("/Hz/.test(document.getElementById('state').textContent)");
         chromium.wait_for("/latency/.test(document.getElementById('figures').textContent)");
     }
@@ -171,7 +188,7 @@ fn who_has_the_token_records_and_a_program_that_is_gone_is_unmistakable() {
     press(&mut chromium, "record");
     chromium.wait_for("/recorded$/.test(document.getElementById('outcome').textContent)");
     chromium.wait_for("/free disk/.test(document.getElementById('figures').textContent)");
-    let marks = std::fs::read_to_string(bench.path("dive/marks.csv")).expect("marks");
+    let marks = fs::read_to_string(bench.path("dive/marks.csv")).expect("marks");
     assert_eq!(marks.lines().count(), 4, "{marks}");
     assert!(chromium.complaints.is_empty(), "{:?}", chromium.complaints);
     drop(viewing);
@@ -198,4 +215,48 @@ fn one_eye_of_a_recording_without_a_table_is_shown_to_its_end_and_held() {
     chromium.wait_for("document.getElementById('alarm').hidden");
     assert_eq!(chromium.value("facts.right.frames"), serde_json::json!(4));
     assert!(chromium.complaints.is_empty(), "{:?}", chromium.complaints);
+}
+
+#[test]
+fn a_recording_begins_again_with_the_attitude_beside_it() {
+    let bench = Bench::new();
+    bench.done("capture shot --source demo --record y4m --frames 4");
+    let rows = (0..4).map(|i| format!("{i},{:.3},0,0,0,12.5,-3,0\n", f64::from(i) / 30.0));
+    let header = "frame,time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n".to_owned();
+    fs::write(
+        bench.path("attitude.csv"),
+        header + &rows.collect::<String>(),
+    )
+    .expect("written");
+    let viewing = Viewing::start(
+        &bench,
+        "view --left shot/left.y4m --at-end loop --attitude attitude.csv",
+    );
+    let begun = Instant::now();
+    loop {
+        let status = viewing.status();
+        let frames = status["figures"]["frames"]
+            .as_str()
+            .and_then(|n| n.parse().ok());
+        // Three times the recording and more.
+        if frames.is_some_and(|frames: u32| frames > 12) {
+            assert_eq!(status["attitude"]["yaw_deg"], 12.5, "{status}");
+            assert_eq!(status["attitude"]["pitch_deg"], -3.0, "{status}");
+            assert_eq!(status["ended"], false, "{status}");
+            assert!(status["left"]["frames"].as_u64() <= Some(4), "{status}");
+            // Who only watches is not told where files lie.
+            assert!(status["operator"]["folder"].is_null(), "{status}");
+            break;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(60), "{status}");
+        std::thread::sleep(Duration::from_millis(100));
+    }
+}
+
+#[test]
+fn a_recording_without_a_frame_is_an_error() {
+    let bench = Bench::new();
+    fs::write(bench.path("empty.y4m"), "YUV4MPEG2 W240 H240 F30:1 Cmono\n").expect("written");
+    let message = bench.refused(1, "view --left empty.y4m --address 127.0.0.1:0");
+    assert!(message.contains("no frame came"), "{message}");
 }
