@@ -97,7 +97,7 @@ fn a_turned_picture_reads_as_text() {
 
 #[test]
 fn the_core_draws_what_the_definition_says() {
-    draws_what_the_definition_says(&[([161, 81], 15.0), ([801, 45], 30.0), ([32, 250], 7.5)]);
+    draws_what_the_definition_says(&[([162, 81], 15.0), ([802, 45], 30.0), ([32, 250], 7.5)]);
 }
 
 #[test]

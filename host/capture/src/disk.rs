@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::CaptureError;
 
 /// Recordings stop when less is free: a full disk stops more than a recording.
-pub const LEAST_FREE_BYTES: u64 = 200 << 20;
+pub const MIN_FREE_BYTES: u64 = 200 << 20;
 
 /// Free bytes of the disk that holds `path` (a file yet to be made, or a folder), for this user.
 ///

@@ -1,5 +1,6 @@
 //! What an operator at the preview may ask for while frames come: pictures, recordings, marks.
 
+use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -10,8 +11,10 @@ use std::time::SystemTime;
 use serde_json::{Value, json};
 
 use crate::preview::{Asked, Outcome, Picture, Request};
-use crate::{CaptureError, Frame, LEAST_FREE_BYTES, Layout, Recorder, VideoKind, check_free};
-use crate::{free_bytes, utc};
+use crate::{
+    CaptureError, Frame, Layout, MIN_FREE_BYTES, Recorder, VideoKind, check_free,
+    describe_recording, free_bytes, utc,
+};
 
 /// Columns of the file of marks.
 const MARKS_HEADER: &str = "time_utc,left_time_ns,left_sequence,right_time_ns,right_sequence,\
@@ -26,7 +29,12 @@ pub struct Operator {
     rate: [u32; 2],
     /// Something else records already, into the same folder.
     records_itself: bool,
+    /// Name of each eye's source, and what else is known of it.
+    sources: [Option<(String, Value)>; 2],
+    /// What the cameras' controls were last set to while they run.
+    controls: Option<String>,
     recording: Option<Recording>,
+    recorded: Vec<Recorded>,
     saving: Arc<AtomicBool>,
     /// What went wrong last, until a recording begins again.
     failure: Option<String>,
@@ -37,7 +45,44 @@ pub struct Operator {
 struct Recording {
     name: String,
     recorders: [Option<Recorder>; 2],
-    frames: u64,
+    /// Frames of each eye that there were to write.
+    given: u64,
+    left_out: u64,
+}
+
+/// What became of a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Recorded {
+    /// What its files' names begin with.
+    pub name: String,
+    /// Frames of each eye that are on the disk.
+    pub frames: u64,
+    /// Moments at which an eye gave no frame; the other's was left out.
+    pub left_out: u64,
+    /// Frames that did not reach the disk.
+    pub lost: u64,
+    /// What went wrong.
+    pub failure: Option<String>,
+}
+
+impl fmt::Display for Recorded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}: {} frames of each eye recorded",
+            self.name, self.frames
+        )?;
+        if self.left_out > 0 {
+            write!(f, ", {} left out for lack of an eye", self.left_out)?;
+        }
+        if self.lost > 0 {
+            write!(f, ", {} lost", self.lost)?;
+        }
+        match &self.failure {
+            Some(failure) => write!(f, ": {failure}"),
+            None => Ok(()),
+        }
+    }
 }
 
 /// The frames of one moment.
@@ -57,10 +102,20 @@ impl Operator {
             folder: folder.to_owned(),
             rate,
             records_itself,
+            sources: [None, None],
+            controls: None,
             recording: None,
+            recorded: Vec::new(),
             saving: Arc::default(),
             failure: None,
         }
+    }
+
+    /// Describes recordings by their sources: name of each eye's, and what else is known of it.
+    #[must_use]
+    pub fn with_sources(mut self, sources: [Option<(String, Value)>; 2]) -> Self {
+        self.sources = sources;
+        self
     }
 
     /// Goes on recording, if told to. What goes wrong ends the recording and is told by
@@ -70,14 +125,27 @@ impl Operator {
             return;
         };
         if let Err(error) = recording.write(moment) {
-            self.failure = Some(format!("the recording has ended: {error}"));
-            self.recording = None;
+            let recorded = self.finish(moment, Some(error));
+            self.failure = recorded.map(|recorded| format!("the recording has ended: {recorded}"));
         }
     }
 
-    /// There are no more frames: a recording is over.
+    /// There are no more frames: a recording is over, and whole on the disk.
     pub fn end(&mut self) {
-        self.recording = None;
+        let nothing = Moment {
+            eyes: [None, None],
+            stitched: None,
+        };
+        if let Some(recorded) = self.finish(&nothing, None)
+            && recorded.failure.is_some()
+        {
+            self.failure = Some(recorded.to_string());
+        }
+    }
+
+    /// The recordings that have ended.
+    pub fn recorded(&self) -> &[Recorded] {
+        &self.recorded
     }
 
     /// Does what was asked. Pictures are encoded on a thread of their own.
@@ -86,7 +154,8 @@ impl Operator {
         let outcome = match asked.request.clone() {
             Request::Snapshot => return self.snapshot(&time, asked, moment),
             Request::Record(true) => self.record(&time, moment),
-            Request::Record(false) => self.end_recording(&time, moment),
+            Request::Record(false) => self.end_recording(moment),
+            Request::NoteControls(words) => self.note_controls(&time, moment, words),
             Request::Mark(name) => self
                 .mark(&time, moment, "mark", &name)
                 .map(|()| format!("marked \"{name}\" at {time}")),
@@ -99,12 +168,12 @@ impl Operator {
         let recording = self
             .recording
             .as_ref()
-            .map(|recording| json!({ "name": recording.name, "frames": recording.frames }));
+            .map(|recording| json!({ "name": recording.name, "frames": recording.given }));
         let free_mb = free_bytes(&self.folder).ok().map(|bytes| bytes >> 20);
         json!({
             "folder": self.folder.to_string_lossy(), "recording": recording, "failure": self.failure,
             "records_itself": self.records_itself, "free_mb": free_mb,
-            "needed_mb": LEAST_FREE_BYTES >> 20,
+            "needed_mb": MIN_FREE_BYTES >> 20,
         })
     }
 
@@ -165,23 +234,62 @@ impl Operator {
         let recorders = create(("left", left))
             .and_then(|left| Ok([left, create(("right", right))?]))
             .map_err(|error| error.to_string())?;
-        self.mark(time, moment, "record", "")?;
+        let name = file_name(time);
+        self.mark(time, moment, "record", &name)?;
+        self.describe(&name, moment)
+            .map_err(|error| error.to_string())?;
         self.failure = None;
         self.recording = Some(Recording {
-            name: file_name(time),
+            name,
             recorders,
-            frames: 0,
+            given: 0,
+            left_out: 0,
         });
         Ok(format!("recording since {time}"))
     }
 
-    fn end_recording(&mut self, time: &str, moment: &Moment<'_>) -> Outcome {
-        let Some(recording) = self.recording.take() else {
+    fn end_recording(&mut self, moment: &Moment<'_>) -> Outcome {
+        let Some(recorded) = self.finish(moment, None) else {
             return Err("nothing is being recorded".to_owned());
         };
-        self.mark(time, moment, "record ends", &recording.name)?;
-        let Recording { name, frames, .. } = recording;
-        Ok(format!("{name}: {frames} frames of each eye recorded"))
+        if recorded.failure.is_some() {
+            return Err(recorded.to_string());
+        }
+        Ok(recorded.to_string())
+    }
+
+    /// Ends the recording, if there is one, and waits until all of it is on the disk.
+    fn finish(&mut self, moment: &Moment<'_>, failure: Option<String>) -> Option<Recorded> {
+        let recording = self.recording.take()?;
+        let time = utc(SystemTime::now());
+        let marked = self.mark(&time, moment, "record ends", &recording.name);
+        let mut recorded = recording.finish();
+        recorded.failure = failure.or(recorded.failure).or(marked.err());
+        self.recorded.push(recorded.clone());
+        Some(recorded)
+    }
+
+    /// Exposure and gain have changed: a recording that is under way says so.
+    fn note_controls(&mut self, time: &str, moment: &Moment<'_>, words: String) -> Outcome {
+        let noted = if self.records_itself || self.recording.is_some() {
+            self.mark(time, moment, "controls", &words)
+        } else {
+            Ok(())
+        };
+        self.controls = Some(words.clone());
+        noted.map(|()| words)
+    }
+
+    /// Writes what the recording `name` is made with beside it.
+    fn describe(&self, name: &str, moment: &Moment<'_>) -> Result<(), CaptureError> {
+        let of = |i: usize| {
+            let ((source, facts), frame) = (self.sources[i].as_ref()?, moment.eyes[i]?);
+            Some((&**source, frame.format, facts.clone()))
+        };
+        let mut about = describe_recording(self.rate, [of(0), of(1)]);
+        about["controls_set_while_running"] = json!(self.controls);
+        let path = self.folder.join(format!("{name}.json"));
+        std::fs::write(&path, format!("{about:#}\n")).map_err(|e| CaptureError::io(&path, e))
     }
 
     /// Adds a line to the file of marks.
@@ -199,7 +307,7 @@ impl Operator {
 
     fn append(&self, line: &str) -> Result<(), CaptureError> {
         let path = self.folder.join("marks.csv");
-        check_free(&path, LEAST_FREE_BYTES)?;
+        check_free(&path, MIN_FREE_BYTES)?;
         let io = |error| CaptureError::io(&path, error);
         std::fs::create_dir_all(&self.folder).map_err(io)?;
         let open = OpenOptions::new().append(true).create(true).open(&path);
@@ -217,8 +325,10 @@ impl Recording {
         // Frame n of both eyes was taken together: without one, neither is kept.
         let eyes = || self.recorders.iter().zip(moment.eyes);
         if eyes().any(|(recorder, frame)| recorder.is_some() && frame.is_none()) {
+            self.left_out += 1;
             return Ok(());
         }
+        self.given += 1;
         for ((recorder, frame), side) in self.recorders.iter_mut().zip(moment.eyes).zip(SIDES) {
             if let (Some(recorder), Some(frame)) = (recorder, frame)
                 && !recorder.write(&frame).map_err(|error| error.to_string())?
@@ -226,8 +336,25 @@ impl Recording {
                 return Err(format!("a frame of the {side} eye cannot be decoded"));
             }
         }
-        self.frames += 1;
         Ok(())
+    }
+
+    fn finish(mut self) -> Recorded {
+        let mut failure = None;
+        let mut frames = self.given;
+        for recorder in self.recorders.iter_mut().flatten() {
+            if let Err(error) = recorder.finish() {
+                failure.get_or_insert(error.to_string());
+            }
+            frames = frames.min(recorder.frames());
+        }
+        Recorded {
+            name: self.name,
+            frames,
+            left_out: self.left_out,
+            lost: self.given - frames,
+            failure,
+        }
     }
 }
 
@@ -256,4 +383,29 @@ fn save(picture: &Picture, path: &Path) -> Result<(), String> {
 /// A time as part of a file's name: without colons.
 fn file_name(time: &str) -> String {
     time.replace(['-', ':'], "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recording_is_told_with_what_it_lacks() {
+        let mut recorded = Recorded {
+            name: "dive".to_owned(),
+            frames: 40,
+            left_out: 0,
+            lost: 0,
+            failure: None,
+        };
+        assert_eq!(recorded.to_string(), "dive: 40 frames of each eye recorded");
+        recorded.left_out = 2;
+        recorded.lost = 3;
+        recorded.failure = Some("the disk is full".to_owned());
+        assert_eq!(
+            recorded.to_string(),
+            "dive: 40 frames of each eye recorded, 2 left out for lack of an eye, 3 lost: \
+             the disk is full"
+        );
+    }
 }

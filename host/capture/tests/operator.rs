@@ -71,7 +71,9 @@ fn pictures_videos_and_marks_are_saved_with_their_time() {
         ..Fixed::default()
     };
     let preview = Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap();
-    let mut operator = Operator::new(&folder, [30, 1], false);
+    let source = |name: &str| Some((name.to_owned(), serde_json::json!({ "gain": 7 })));
+    let mut operator = Operator::new(&folder, [30, 1], false)
+        .with_sources([source("camera a"), source("camera b")]);
     let data = [vec![40; 64 * 32], vec![80; 64 * 32]];
     let frame = |eye: usize, sequence: u32| Frame {
         data: &data[eye],
@@ -104,7 +106,7 @@ fn pictures_videos_and_marks_are_saved_with_their_time() {
     assert!(ask(&mut operator, "/mark?name=a%20%22big%22%20one").0);
     let (done, words) = ask(&mut operator, "/record?on=0");
     assert!(
-        done && words.ends_with("5 frames of each eye recorded"),
+        done && words.ends_with(": 5 frames of each eye recorded, 1 left out for lack of an eye"),
         "{words}"
     );
     assert!(operator.status()["free_mb"].as_u64().is_some());
@@ -114,7 +116,16 @@ fn pictures_videos_and_marks_are_saved_with_their_time() {
         let one = names.iter().filter(|name| name.ends_with(ending)).count();
         assert_eq!(one, 1, "{ending}: {names:?}");
     }
-    assert_eq!(names.len(), 5, "{names:?}");
+    assert_eq!(names.len(), 6, "{names:?}");
+    let recorded = operator.recorded();
+    assert_eq!((recorded[0].frames, recorded[0].left_out), (5, 1));
+    assert_eq!((recorded[0].lost, &recorded[0].failure), (0, &None));
+    let about = std::fs::read(folder.join(format!("{}.json", recorded[0].name))).unwrap();
+    let about: serde_json::Value = serde_json::from_slice(&about).unwrap();
+    assert_eq!(about["right"]["name"], "camera b");
+    assert_eq!(about["left"]["facts"]["gain"], 7);
+    assert_eq!(about["left"]["size_px"], serde_json::json!([64, 32]));
+    assert!(about["clock"]["unix_ns"].as_i64().unwrap() > 0);
     let right = names.iter().find(|name| name.ends_with("-right.png"));
     let picture = image::open(folder.join(right.unwrap()))
         .unwrap()
@@ -177,6 +188,11 @@ fn a_recording_ends_with_the_frames() {
     assert_eq!(operator.status()["recording"]["frames"], 1);
     operator.end();
     assert!(operator.status()["recording"].is_null());
+    let recorded = &operator.recorded()[0];
+    assert_eq!((recorded.frames, recorded.lost), (1, 0));
+    let video = bench.path().join(format!("{}-right.y4m", recorded.name));
+    // Whole on the disk at once, not when the program ends.
+    assert!(std::fs::metadata(video).unwrap().len() > 64 * 32);
     let (done, words) = asked(&preview, &mut operator, &moment, "/record?on=0");
     assert!(!done && words == "nothing is being recorded", "{words}");
 }

@@ -150,14 +150,89 @@ fn who_is_late_gets_the_newest_pair_unless_all_are_wanted() {
 }
 
 #[test]
-fn the_tolerance_is_at_most_half_a_period() {
-    let both = || [Scripted::at([0]), Scripted::at([PERIOD_NS * 3 / 4])];
+fn the_tolerance_is_at_most_half_a_period_and_frames_that_never_meet_are_an_error() {
     for asked in [None, Some(PERIOD_NS as u64)] {
-        let [left, right] = both();
-        let mut pairs = Pairs::new(left, right, asked, Late::KeepAll).unwrap();
+        let at = |shift: i64| Scripted::at((0..4).map(move |i| 2 * i * PERIOD_NS + shift));
+        let mut pairs = Pairs::new(at(0), at(PERIOD_NS), asked, Late::KeepAll).unwrap();
         assert_eq!(pairs.tolerance_ns(), PERIOD_NS as u64 / 2);
-        assert!(run(&mut pairs).is_empty());
+        let run =
+            pairs.for_each::<CaptureError>(&Stop::default(), |_, _| Ok(ControlFlow::Continue(())));
+        let error = run.unwrap_err();
+        assert!(
+            matches!(error, CaptureError::NeverTogether { .. }),
+            "{error}"
+        );
+        assert!(error.to_string().contains("the same --rate"), "{error}");
+        assert_eq!(pairs.statistics().alone, [4, 4]);
     }
+}
+
+#[test]
+fn half_the_rate_in_the_dark_is_measured_and_paired_whatever_the_phase() {
+    let at = |shift: i64| Scripted::at((0..40).map(move |i| 2 * i * PERIOD_NS + shift));
+    let mut pairs = Pairs::new(at(0), at(PERIOD_NS * 9 / 10), None, Late::KeepAll).unwrap();
+    let paired = run(&mut pairs).len();
+    // The first few frames measure the period.
+    assert!((30..=40).contains(&paired), "{paired}");
+    assert_eq!(pairs.tolerance_ns(), PERIOD_NS as u64);
+}
+
+#[test]
+fn a_stamp_far_ahead_or_behind_costs_itself_alone_wherever_it_is() {
+    const HOUR_NS: i64 = 3_600_000_000_000;
+    for wrong in 0..10 {
+        for off_ns in [HOUR_NS, -HOUR_NS] {
+            let time = |i: i64| i * PERIOD_NS;
+            let off = move |i| time(i) + if i == wrong { off_ns } else { 0 };
+            let [left, right] = [
+                Scripted::at((0..10).map(time)),
+                Scripted::at((0..10).map(off)),
+            ];
+            let mut pairs = Pairs::new(left, right, None, Late::KeepAll).unwrap();
+            let seen = run(&mut pairs);
+            assert_eq!(seen.len(), 9, "{wrong} {off_ns}");
+            assert!(
+                seen.iter().all(|[l, r]| l == r),
+                "{wrong} {off_ns}: {seen:?}"
+            );
+            assert_eq!(pairs.statistics().alone, [1, 1], "{wrong} {off_ns}");
+        }
+    }
+}
+
+#[test]
+fn clocks_that_jump_are_set_right_and_counted() {
+    let time = |i: i64| i * PERIOD_NS;
+    let jumps = |i: i64| time(i) + if i >= 4 { -1_000_000_000_000 } else { 7 };
+    let [left, right] = [
+        Scripted::at((0..10).map(time)),
+        Scripted::at((0..10).map(jumps)),
+    ];
+    let mut pairs = Pairs::new(left, right, None, Late::KeepAll).unwrap();
+    assert_eq!(run(&mut pairs).len(), 10);
+    assert_eq!(pairs.health()[1].counts().clock_jumps, 1);
+    assert_eq!(pairs.health()[0].counts().clock_jumps, 0);
+    assert_eq!(pairs.statistics().alone, [0, 0]);
+}
+
+#[test]
+fn clocks_that_have_nothing_in_common_are_told() {
+    let day = 86_400_000_000_000;
+    let [left, right] = [0, day].map(|s| Scripted::at((0..10).map(move |i| s + i * PERIOD_NS)));
+    let mut pairs = Pairs::new(left, right, None, Late::KeepAll).unwrap();
+    let use_none = |_: tectum_capture::Pair<'_>, _: &_| Ok(ControlFlow::Continue(()));
+    let error = pairs
+        .for_each::<CaptureError>(&Stop::default(), use_none)
+        .unwrap_err();
+    assert!(error.to_string().contains("nothing in common"), "{error}");
+}
+
+#[test]
+fn what_one_eye_has_more_is_alone() {
+    let [left, right] = [10, 7].map(|frames| Scripted::at((0..frames).map(|i| i * PERIOD_NS)));
+    let mut pairs = Pairs::new(left, right, None, Late::KeepAll).unwrap();
+    assert_eq!(run(&mut pairs).len(), 7);
+    assert_eq!(pairs.statistics().alone, [3, 0]);
 }
 
 #[test]

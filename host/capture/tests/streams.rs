@@ -118,6 +118,7 @@ fn limited_range_is_stitched_and_recorded_as_limited_with_black_void() {
         ..frame
     };
     assert!(recorder.write(&out).unwrap());
+    recorder.finish().unwrap();
     let written = fs::read(&path).unwrap();
     let header = written.split(|byte| *byte == b'\n').next().unwrap();
     let header = std::str::from_utf8(header).unwrap();

@@ -1,5 +1,6 @@
 //! Arguments that several verbs share.
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use clap::ValueEnum;
@@ -46,28 +47,32 @@ impl FromStr for Position {
     }
 }
 
-/// Parser of a finite angle within a turn, degrees.
-pub fn degrees(text: &str) -> Result<f64, String> {
+/// A number within `allowed`, both ends included; else what is `needed`.
+fn within(text: &str, allowed: RangeInclusive<f64>, needed: &str) -> Result<f64, String> {
     text.parse()
         .ok()
-        .filter(|deg: &f64| deg.abs() <= 360.0)
-        .ok_or_else(|| "needed is an angle in degrees, -360 to 360".into())
+        .filter(|number| allowed.contains(number))
+        .ok_or_else(|| format!("needed is {needed}"))
+}
+
+/// Parser of a finite angle within a turn, degrees.
+pub fn degrees(text: &str) -> Result<f64, String> {
+    within(text, -360.0..=360.0, "an angle in degrees, -360 to 360")
+}
+
+/// Parser of a field of view, degrees.
+pub fn field_of_view(text: &str) -> Result<f64, String> {
+    within(text, 0.1..=360.0, "a field of view in degrees, 0.1 to 360")
 }
 
 /// Parser of a time, s.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|seconds| (0.0..=1e9).contains(seconds))
-        .ok_or_else(|| "needed is a time in seconds, 0 to 1e9".into())
+    within(text, 0.0..=1e9, "a time in seconds, 0 to 1e9")
 }
 
 /// Parser of a time, ms.
 pub fn milliseconds(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|ms| (0.0..=1e6).contains(ms))
-        .ok_or_else(|| "needed is a time in milliseconds, 0 to 1e6".into())
+    within(text, 0.0..=1e6, "a time in milliseconds, 0 to 1e6")
 }
 
 /// An angle or a range of angles, degrees, as `--yaw` and `--pitch` take it.
@@ -134,7 +139,7 @@ pub struct OutputArgs {
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true)]
     pub roll: Option<f64>,
     /// Field of view, degrees (cylindrical, fisheye, perspective)
-    #[arg(long, value_name = "DEG", value_parser = degrees)]
+    #[arg(long, value_name = "DEG", value_parser = field_of_view, allow_negative_numbers = true)]
     pub fov: Option<f64>,
 }
 

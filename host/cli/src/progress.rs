@@ -46,6 +46,12 @@ impl Progress {
             .suspend(|| drop(io::stderr().write_all(whole.as_bytes())));
     }
 
+    /// Prints lines that stay, from another thread.
+    pub fn noter(&self) -> impl Fn(&str) + Send + use<> {
+        let bar = self.0.clone();
+        move |line| bar.suspend(|| eprintln!("{line}"))
+    }
+
     /// Makes the bar longer.
     pub fn more(&self, steps: usize) {
         self.0.inc_length(steps as u64);

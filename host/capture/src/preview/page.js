@@ -163,7 +163,9 @@ async function watch() {
       id("stitched-part").hidden = !facts.stitched;
       const turn = facts.attitude;
       id("attitude").hidden = !turn;
-      if (turn) {
+      if (turn && turn.yaw_deg === undefined) {
+        id("attitude").textContent = "body: the attitude of this moment is not known";
+      } else if (turn) {
         const roll = angle(turn.roll_deg, 1, "right side down", "left side down");
         id("attitude").textContent = `body: ${yawText(turn.yaw_deg, 1)}, ${pitchText(turn.pitch_deg, 1)}, roll ${roll}`;
       }

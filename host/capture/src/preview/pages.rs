@@ -118,12 +118,21 @@ async fn control(
     shared: &Arc<Shared>,
     change: impl FnOnce(&dyn super::Controls) -> Outcome + Send + 'static,
 ) -> Answer {
-    let shared = shared.clone();
+    let of_thread = shared.clone();
     let done = tokio::task::spawn_blocking(move || {
-        let controls = shared.fixed.controls.as_deref();
+        let controls = of_thread.fixed.controls.as_deref();
         controls.map_or_else(|| Err("these sources have no controls".to_owned()), change)
     });
-    told(done.await.unwrap_or_else(|error| Err(error.to_string())))
+    let outcome = done.await.unwrap_or_else(|error| Err(error.to_string()));
+    let Ok(words) = &outcome else {
+        return told(outcome);
+    };
+    if !shared.fixed.takes_requests {
+        return told(outcome);
+    }
+    let note = Request::NoteControls(words.clone());
+    let noted = shared.requests.ask(note).await;
+    told(noted.map_err(|reason| format!("{words}, but this is not noted: {reason}")))
 }
 
 fn told(outcome: Outcome) -> Answer {

@@ -111,7 +111,7 @@ function listTargets() {
       keepTargets();
     });
     const remove = document.createElement("button");
-    remove.textContent = "✕";
+    remove.textContent = "×";
     remove.ariaLabel = `remove target ${target.number}`;
     remove.addEventListener("click", () => {
       targets = targets.filter((other) => other !== target);

@@ -1,8 +1,10 @@
 //! The preview of a feed.
 
 use std::net::SocketAddr;
+use std::path::Path;
 
 use tectum_bake::{output_map, scales_svg};
+use tectum_capture::Operator;
 use tectum_capture::preview::{Controls, Fixed, Preview};
 use tectum_core::{Eye, Tables};
 
@@ -42,10 +44,19 @@ pub fn serve(
     )?)
 }
 
+/// Saves in `folder` what the page asks for of a feed.
+pub fn operator(folder: &Path, feed: &Feed) -> Operator {
+    let ([left, right], [of_left, of_right]) = (feed.eyes(), feed.facts());
+    Operator::new(folder, feed.rate(), false).with_sources([
+        left.map(|(name, _)| (name, of_left)),
+        right.map(|(name, _)| (name, of_right)),
+    ])
+}
+
 /// The cameras' own controls, where the eyes are cameras.
 #[cfg(feature = "v4l2")]
 fn controls(feed: &Feed) -> Option<Box<dyn Controls>> {
-    let controls = tectum_capture::device::LiveControls::of(&feed.eyes())?;
+    let controls = tectum_capture::device::LiveControls::of(&feed.sources())?;
     Some(Box::new(controls))
 }
 

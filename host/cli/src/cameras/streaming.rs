@@ -40,6 +40,7 @@ pub fn run(
 ) -> anyhow::Result<Report> {
     viewing::check_size(feed, source_size_px(tables)?)?;
     let given = feed.format();
+    let has_time = feed.has_time();
     let stop = stop_on_interrupt(limits)?;
     let preview = view
         .view
@@ -48,7 +49,7 @@ pub fn run(
     let mut stitcher = LiveStitcher::new(tables, sampler);
     let out_format = stitcher.output_format(given);
     let mut undecodable = 0_u64;
-    let done = feed.for_each(&stop, |shot, statistics| {
+    let mut done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         let &[Some(left), Some(right)] = shot else {
             bail!("live stitching needs both eyes");
@@ -58,7 +59,10 @@ pub fn run(
             return Ok(ControlFlow::Continue(()));
         };
         if let Some(scales) = &scales {
-            scales.draw(left.sequence, out_format.layout.core_format(), stitched)?;
+            let since = statistics.first_left_ns.unwrap_or(left.time_ns);
+            let since_ns = left.time_ns.wrapping_sub(since);
+            let layout = out_format.layout.core_format();
+            scales.draw((since_ns, has_time), layout, stitched)?;
         }
         let stitched = &*stitched;
         if let Some(recorder) = &mut recorder {
@@ -71,14 +75,21 @@ pub fn run(
         watch.shot(shot, Some((stitched, out_format)), begun, statistics);
         Ok(limits.flow(watch.shots(), watch.start()))
     });
+    if let Some(recorder) = &mut recorder
+        && let Err(error) = recorder.finish()
+        && done.is_ok()
+    {
+        done = Err(error.into());
+    }
     if let Err(error) = done
         && !is_closed_pipe(&error)
     {
         return Err(error).with_context(|| format!("after {} frames", watch.shots()));
     }
-    if watch.shots() == 0 {
+    if watch.shots() == 0 && undecodable > 0 {
         bail!("no frame was stitched\n{}", watch.text());
     }
+    watch.end(feed)?;
     let mut text = watch.text();
     let mut json = watch.json();
     if undecodable > 0 {

@@ -7,10 +7,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use clap::ValueEnum;
-use tectum_capture::{LiveStitcher, Operator, Pace};
+use serde_json::{Value, json};
+use tectum_capture::{LiveStitcher, Pace};
 use tectum_core::{Eye, Sampler, Tables};
 
-use super::{Feed, Limits, Turns, Watch, showing, stop_on_interrupt};
+use super::{
+    Attitudes, Feed, Limits, Watch, showing, stop_on_interrupt, yaw_pitch_roll_deg,
+};
 use crate::report::Report;
 
 /// Requests are looked at this often while the last pictures of a recording stay.
@@ -40,7 +43,7 @@ pub struct Viewing<'a> {
     /// Where what the page asks for is saved.
     pub folder: &'a Path,
     /// How the body is turned.
-    pub attitudes: Option<Turns>,
+    pub attitudes: Option<Attitudes>,
 }
 
 /// Shows feeds from `open` until told to stop.
@@ -60,12 +63,13 @@ pub fn run(
     }
     let stop = stop_on_interrupt(limits)?;
     let preview = showing::serve(viewing.address, &feed, tables, true)?;
-    let operator = Operator::new(viewing.folder, feed.rate(), false);
+    let operator = showing::operator(viewing.folder, &feed);
     let mut watch = Watch::new(&feed, Some(preview)).with_operator(operator);
     let mut stitcher = tables.map(|tables| LiveStitcher::new(tables, Sampler::Bilinear));
     loop {
         let before = watch.shots();
         let mut pace = (!feed.is_live()).then(|| Pace::new(feed.period_ns()));
+        let has_time = feed.has_time();
         let mut is_over = false;
         let mut first_ns = None;
         let shown = feed.for_each(&stop, |shot, statistics| {
@@ -76,6 +80,7 @@ pub fn run(
                 pace.wait(frame.time_ns, &stop);
             }
             let begun = Instant::now();
+            first_ns.get_or_insert(frame.time_ns);
             let stitched = match &mut stitcher {
                 Some(stitcher) => {
                     let format = stitcher.output_format(frame.format);
@@ -85,15 +90,19 @@ pub fn run(
                 None => None,
             };
             if let Some(attitudes) = &viewing.attitudes {
-                let since_ns = frame.time_ns - *first_ns.get_or_insert(frame.time_ns);
-                watch.set_attitude(attitudes.at(since_ns as f64 / 1e9));
+                let since = statistics.first_left_ns.or(first_ns);
+                let since_ns = frame.time_ns.wrapping_sub(since.unwrap_or(frame.time_ns));
+                watch.set_attitude(attitude(attitudes, since_ns, has_time));
             }
             watch.shot(shot, stitched, begun, statistics);
             let flow = limits.flow(watch.shots(), watch.start());
             is_over = flow.is_break();
             Ok(flow)
         });
-        shown.with_context(|| format!("after {} frames", watch.shots()))?;
+        if shown.is_err() {
+            watch.end_recording();
+        }
+        shown.with_context(|| format!("after {} frames\n{}", watch.shots(), watch.text()))?;
         if is_over || stop.is_set() || feed.is_live() || at_end == AtEnd::Stop {
             break;
         }
@@ -103,7 +112,7 @@ pub fn run(
             continue;
         }
         if watch.shots() == 0 {
-            bail!("no frame came\n{}", watch.text());
+            break;
         }
         while !stop.is_set() {
             watch.hold();
@@ -111,7 +120,19 @@ pub fn run(
         }
         break;
     }
+    watch.end(&feed)?;
     Ok(Report::new(watch.text(), watch.json()))
+}
+
+/// How the body is turned, for the page; without angles where the file does not say.
+fn attitude(attitudes: &Attitudes, since_ns: i64, has_time: bool) -> Value {
+    let turn = attitudes
+        .time_s(since_ns, has_time)
+        .and_then(|time_s| attitudes.at(time_s));
+    turn.map_or(json!({}), |turn| {
+        let [yaw_deg, pitch_deg, roll_deg] = yaw_pitch_roll_deg(&turn);
+        json!({ "yaw_deg": yaw_deg, "pitch_deg": pitch_deg, "roll_deg": roll_deg })
+    })
 }
 
 /// Size of an eye's frame, as a table needs it: of both eyes, or of the one that it shows.

@@ -5,11 +5,15 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tectum_capture::preview::{Picture, Preview, Snapshot};
-use tectum_capture::{Frame, FrameFormat, Health, Moment, Operator, PairStatistics, monotonic_ns};
+use tectum_capture::{
+    CaptureError, Frame, FrameFormat, Health, Moment, Operator, PairStatistics, Recorded,
+    monotonic_ns,
+};
 
 use super::Feed;
 use super::feed::Shot;
 use super::feed::counts_json;
+use super::outages::Outages;
 use crate::progress::Progress;
 
 /// From one line of figures to the next.
@@ -61,6 +65,7 @@ pub struct Watch {
     /// Each frame is shown: there may be no other.
     shows_all: bool,
     progress: Progress,
+    _outages: Outages,
     start: Instant,
     shots: u64,
     work: Times,
@@ -88,6 +93,7 @@ impl Watch {
             is_stitched: false,
             has_ended: false,
             shows_all: !feed.is_live(),
+            _outages: Outages::tell(feed.eyes(), &progress),
             progress,
             start: Instant::now(),
             shots: 0,
@@ -114,6 +120,7 @@ impl Watch {
         if let Some(preview) = &self.preview {
             preview.set_eyes(feed.eyes());
         }
+        self._outages = Outages::tell(feed.eyes(), &self.progress);
     }
 
     /// How the body is turned at the shot to come, for the page.
@@ -129,15 +136,29 @@ impl Watch {
     /// There will be no more frames; the last ones stay on the page.
     pub fn hold(&mut self) {
         self.has_ended = true;
-        if let Some(operator) = &mut self.operator {
-            operator.end();
-        }
+        self.end_recording();
         let nothing = Moment {
             eyes: [None, None],
             stitched: None,
         };
         self.operate(&nothing);
         self.set_status();
+    }
+
+    /// The feed has ended: takes its last figures.
+    ///
+    /// # Errors
+    /// If nothing came at all.
+    pub fn end(&mut self, feed: &Feed) -> Result<(), CaptureError> {
+        self.statistics = feed.statistics();
+        self.end_recording();
+        if self.shots > 0 {
+            return Ok(());
+        }
+        let eyes = self.eyes.iter().flatten();
+        Err(CaptureError::no_frames(
+            eyes.map(|(name, health)| (&**name, &**health)),
+        ))
     }
 
     /// Shots so far.
@@ -205,6 +226,17 @@ impl Watch {
             self.set_status();
             self.lately = (Instant::now(), 0, Times::default());
         }
+    }
+
+    /// What is being recorded for a client becomes whole on the disk.
+    pub fn end_recording(&mut self) {
+        if let Some(operator) = &mut self.operator {
+            operator.end();
+        }
+    }
+
+    fn recorded(&self) -> &[Recorded] {
+        self.operator.as_ref().map_or(&[], Operator::recorded)
     }
 
     /// Records, and does what clients ask for.
@@ -307,6 +339,15 @@ impl Watch {
                 "\n{name}: {} frames, {} dropped, {} damaged, {} times back",
                 counts.frames, counts.dropped, counts.corrupt, counts.reconnects
             );
+            if counts.misstamped > 0 {
+                text += &format!(", {} left out for a wrong time", counts.misstamped);
+            }
+            if counts.clock_jumps > 0 {
+                text += &format!(", its clock jumped {} times", counts.clock_jumps);
+            }
+        }
+        for recorded in self.recorded() {
+            text += &format!("\n{recorded}");
         }
         text
     }
@@ -314,6 +355,17 @@ impl Watch {
     /// Everything, for a script.
     pub fn json(&self) -> Value {
         let statistics = &self.statistics;
+        let recordings: Vec<_> = self
+            .recorded()
+            .iter()
+            .map(|recorded| {
+                json!({
+                    "name": recorded.name, "frames": recorded.frames,
+                    "left_out": recorded.left_out, "lost": recorded.lost,
+                    "failure": recorded.failure,
+                })
+            })
+            .collect();
         let eye = |eye: &Option<(String, Arc<Health>)>| {
             eye.as_ref()
                 .map(|(_, health)| counts_json(&health.counts()))
@@ -332,6 +384,7 @@ impl Watch {
             "drift_ppm": statistics.drift.ppm(),
             "left": eye(&self.eyes[0]),
             "right": eye(&self.eyes[1]),
+            "recordings": recordings,
         })
     }
 }

@@ -4,9 +4,9 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use crate::cameras::viewing::{self, AtEnd, Viewing};
-use crate::cameras::{CameraOptions, Limits, Turns, demo_table, open, streaming};
+use crate::cameras::{Attitudes, CameraOptions, Limits, demo_table, open, streaming};
 use crate::files;
-use crate::report::{Report, Usage};
+use crate::report::Report;
 
 /// Both eyes and the stitched picture live in a browser, with directions under the pointer
 #[derive(clap::Args)]
@@ -55,18 +55,12 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         (None, Some(_)) => Some((demo_table()?, PathBuf::from("the demo's table"))),
         (None, None) => None,
     };
-    if args.left.is_none() && args.right.is_none() && args.cameras.source.is_none() {
-        return Err(Usage(
-            "needed are --left, --right or both, or --source demo; a table stitches them".into(),
-        )
-        .into());
-    }
     let keep = |(bytes, name): (Vec<u8>, PathBuf)| streaming::keep(bytes, &name);
     let tables = bytes.map(keep).transpose()?;
     let size_px = tables.map(viewing::source_size_px).transpose()?;
     let [left, right] = [&args.left, &args.right].map(|path| path.as_deref());
     let mut open = || open(left, right, &args.cameras, size_px, false);
-    let read = |path: &Path| Turns::read(path);
+    let read = |path: &Path| Attitudes::read(path);
     viewing::run(
         &mut open,
         &Viewing {

@@ -141,8 +141,7 @@ fn scenes_beside_and_where_to_look_are_taken_or_refused() {
 
 /// Registers real pairs and bakes them with the defaults: all succeed, small.
 #[test]
-#[ignore = "a campaign: minutes of real pictures (`cargo test -p tectum --test cli -- --ignored \
-            --nocapture real_pairs`)"]
+#[ignore = "campaign registration: minutes of real pictures"]
 fn real_pairs_are_baked_small() {
     let repository = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let data = repository.join("../shared/data");

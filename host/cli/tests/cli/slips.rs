@@ -1,5 +1,5 @@
 //! Nothing is lost by a slip: outputs that are inputs, devices or links, names that are not UTF-8,
-//! numbers that are none, disks that are full.
+//! undefined numbers, disks that are full.
 
 use std::ffi::OsStr;
 use std::fs;

@@ -8,10 +8,14 @@
 //! `x = x' + e y' + cx`, `y = d x' + c y' + cy` (Scaramuzza, OCamCalib 3.0, `export_data.m`).
 
 use std::fmt::Write;
+use std::ops::RangeInclusive;
 
 use super::inverse_polynomial::inverse_polynomial;
 use super::{CalibFileError, checked_size_px};
 use crate::camera::{Ocam, ParameterError};
+
+/// Most coefficients of an inverse polynomial. Nothing here needs it: it is read to be kept.
+const MAX_INVERSE_COEFFICIENTS: usize = 4096;
 
 /// What the file holds, in the toolbox's convention.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,8 +41,9 @@ impl OcamCalib {
     /// [`CalibFileError`] if a number is missing, not finite, or a count or size out of range.
     pub fn parse(text: &str) -> Result<Self, CalibFileError> {
         let mut numbers = Numbers::new(text);
-        let polynomial = numbers.series("direct polynomial")?;
-        let inverse_polynomial = numbers.series("inverse polynomial")?;
+        let polynomial = numbers.series("direct polynomial", 1..=Ocam::MAX_COEFFICIENTS)?;
+        let inverse_polynomial =
+            numbers.series("inverse polynomial", 0..=MAX_INVERSE_COEFFICIENTS)?;
         let centre_row_column_px = [numbers.real("centre row")?, numbers.real("centre column")?];
         let affine = [
             numbers.real("affine c")?,
@@ -148,9 +153,10 @@ struct Numbers<'a> {
 impl<'a> Numbers<'a> {
     fn new(text: &'a str) -> Self {
         let words = text
+            .trim_start_matches('\u{feff}')
             .lines()
             .enumerate()
-            .filter(|(_, line)| !line.trim_start().starts_with('#'))
+            .map(|(index, line)| (index, line.split('#').next().unwrap_or_default()))
             .flat_map(|(index, line)| line.split_whitespace().map(move |word| (index + 1, word)));
         Self {
             words: Box::new(words),
@@ -190,16 +196,24 @@ impl<'a> Numbers<'a> {
     }
 
     /// A count and as many numbers.
-    fn series(&mut self, what: &str) -> Result<Vec<f64>, CalibFileError> {
+    fn series(
+        &mut self,
+        what: &str,
+        allowed: RangeInclusive<usize>,
+    ) -> Result<Vec<f64>, CalibFileError> {
         let (line, count) = self.integer(&format!("number of coefficients of the {what}"))?;
         match usize::try_from(count) {
-            Ok(count) if (1..=Ocam::MAX_COEFFICIENTS).contains(&count) => (0..count)
+            Ok(count) if allowed.contains(&count) => (0..count)
                 .map(|i| self.real(&format!("coefficient {i} of the {what}")))
                 .collect(),
             _ => Err(CalibFileError::value(
                 &format!("line {line}, number of coefficients of the {what}"),
                 &count.to_string(),
-                "1 to 64",
+                if *allowed.start() == 0 {
+                    "0 to 4096"
+                } else {
+                    "1 to 64"
+                },
             )),
         }
     }

@@ -141,9 +141,11 @@ impl Rig {
     /// # Errors
     /// As [`Rig::load`].
     pub fn from_toml(text: &str, file: &str) -> Result<Self, RigError> {
-        let parsed: RigFile = toml::from_str(text).map_err(|error| RigError::Syntax {
-            file: file.to_owned(),
-            message: error.to_string(),
+        let parsed: RigFile = toml::from_str(text).map_err(|error| {
+            include::another_kind(text, file, include::Kind::Rig).unwrap_or(RigError::Syntax {
+                file: file.to_owned(),
+                message: error.to_string(),
+            })
         })?;
         read::rig(parsed, file)
     }

@@ -61,7 +61,7 @@ fn record(path: &Path, layout: Layout, size_px: [u16; 2], data: &[u8]) -> anyhow
         sequence: 0,
         superseded: false,
     })?;
-    Ok(())
+    Ok(video.finish()?)
 }
 
 /// Real fisheye pictures where they lie beside the checkout, else noise that no encoder softens.

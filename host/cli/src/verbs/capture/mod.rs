@@ -15,7 +15,7 @@ use crate::report::{Report, Usage};
 /// Both cameras to a calibration session, to stills or to a video
 #[derive(clap::Args)]
 #[command(after_help = "EXAMPLES:\n  \
-    tectum capture --list                                  cameras, their stable names and formats\n  \
+    tectum capture --list                                  cameras, their stable names, formats and rates\n  \
     tectum capture calib --left A --right B --board 9x6 --view\n  \
     tectum capture dive1 --left A --right B --record y4m --seconds 60\n  \
     tectum capture shots --left A --right B --stills --frames 10\n  \
@@ -100,9 +100,12 @@ fn list() -> anyhow::Result<Report> {
             text += &format!("  {}\n", name.display());
         }
         text += &camera.offered;
+        if let Some(why) = &camera.unusable {
+            text += &format!("  cannot be used: {why}\n");
+        }
     }
     if cameras.is_empty() {
-        text += "no cameras that can be opened";
+        text += "no video devices";
     }
     let json: Vec<_> = cameras
         .iter()
@@ -110,6 +113,7 @@ fn list() -> anyhow::Result<Report> {
             serde_json::json!({
                 "node": path_json(&camera.node), "product": camera.product,
                 "stable_names": paths_json(&camera.stable_names), "offered": camera.offered,
+                "unusable": camera.unusable,
             })
         })
         .collect();

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use tectum_calibrate::BoardSize;
 use tectum_calibrate::detect::chessboard;
 use tectum_calibrate::session::list;
-use tectum_capture::{Advice, Coverage, Frame, Guidance, Operator, Session, Verdict, to_rgb8};
+use tectum_capture::{Advice, Coverage, Frame, Guidance, Session, Verdict, to_rgb8};
 
 use super::Args;
 use super::stills::{next_number, save};
@@ -35,7 +35,7 @@ pub fn run(
     let stop = stop_on_interrupt(&args.limits)?;
     let view = args.view.view;
     let preview = view.map(|address| showing::serve(address, feed, None, true));
-    let operator = Operator::new(folder, feed.rate(), false);
+    let operator = showing::operator(folder, feed);
     let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
     let mut guidance = Guidance::default();
     let feed_size_px = feed.format().size_px;
@@ -71,6 +71,7 @@ pub fn run(
         watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
+    watch.end(feed)?;
     let share = session
         .coverage()
         .each_ref()

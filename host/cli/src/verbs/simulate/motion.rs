@@ -62,6 +62,9 @@ pub fn run(args: &Args, name: MotionName, rig: &Rig, scene: &Scene) -> anyhow::R
             })?;
         }
     }
+    for (_, _, recorder) in &mut videos {
+        recorder.finish()?;
+    }
     let attitude = args.output.join("attitude.csv");
     files::write(&attitude, &attitudes.into_inner()?)?;
     let mut written = vec!["scene.toml".to_owned(), "attitude.csv".to_owned()];

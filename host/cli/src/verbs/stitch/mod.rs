@@ -28,7 +28,7 @@ use crate::{files, paired, pictures};
     tectum stitch fish.tct --left l.png --right r.png -o out.png --format yuyv --json\n  \
     tectum stitch rig.toml --paper --left l.png --right r.png -o planar.png\n  \
     tectum stitch fish.tct --live --left /dev/video0 --right /dev/video2 -o out.y4m --view\n  \
-    tectum stitch fish.tct --live --left l.y4m --right r.y4m -o - | ffmpeg -i - out.mp4\n\n\
+    tectum stitch fish.tct --live --left l.y4m --right r.y4m -o - | ffmpeg -i - -pix_fmt yuv420p out.mp4\n\n\
     `seconds` in the JSON is the core's time, without files and conversions.")]
 pub struct Args {
     /// Table; with --paper a rig file
@@ -151,7 +151,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
 
     let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
     if let Some(step_deg) = args.scales {
-        LiveScales::of_body(&tables, step_deg)?.draw(0, format, &mut stitched)?;
+        LiveScales::of_body(&tables, step_deg)?.draw((0, true), format, &mut stitched)?;
     }
     let picture = if format == Format::Gray8 {
         let gray = GrayImage::from_raw(width, height, stitched);

@@ -163,7 +163,7 @@ fn bad_files_are_refused_with_the_place() {
         "3 601.3",
         "4000000000 601.3",
         "line 7, number of coefficients of the inverse polynomial: \"4000000000\" is not allowed \
-         (1 to 64)",
+         (0 to 4096)",
     );
     refused(
         "790.25",
