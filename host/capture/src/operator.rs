@@ -234,6 +234,12 @@ impl Operator {
         let recorders = create(("left", left))
             .and_then(|left| Ok([left, create(("right", right))?]))
             .map_err(|error| error.to_string())?;
+        // The other one may be away just now; it is not recorded when it comes back.
+        let which = match recorders {
+            [Some(_), None] => ", the left eye alone",
+            [None, Some(_)] => ", the right eye alone",
+            _ => "",
+        };
         let name = file_name(time);
         self.mark(time, moment, "record", &name)?;
         self.describe(&name, moment)
@@ -245,7 +251,7 @@ impl Operator {
             given: 0,
             left_out: 0,
         });
-        Ok(format!("recording since {time}"))
+        Ok(format!("recording since {time}{which}"))
     }
 
     fn end_recording(&mut self, moment: &Moment<'_>) -> Outcome {

@@ -183,7 +183,8 @@ fn a_recording_ends_with_the_frames() {
         eyes: [None, Some(frame)],
         stitched: None,
     };
-    assert!(asked(&preview, &mut operator, &moment, "/record?on=1").0);
+    let (done, words) = asked(&preview, &mut operator, &moment, "/record?on=1");
+    assert!(done && words.ends_with(", the right eye alone"), "{words}");
     operator.frames(&moment);
     assert_eq!(operator.status()["recording"]["frames"], 1);
     operator.end();

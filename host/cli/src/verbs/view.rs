@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::cameras::viewing::{self, AtEnd, Viewing};
 use crate::cameras::{Attitudes, CameraOptions, Limits, demo_table, open, streaming};
 use crate::files;
-use crate::report::Report;
+use crate::report::{Report, Usage};
 
 /// Both eyes and the stitched picture live in a browser, with directions under the pointer
 #[derive(clap::Args)]
@@ -55,6 +55,15 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         (None, Some(_)) => Some((demo_table()?, PathBuf::from("the demo's table"))),
         (None, None) => None,
     };
+    let is_given = args.left.is_some() || args.right.is_some();
+    if !is_given && args.cameras.source.is_none() && args.cameras.side_by_side.is_none() {
+        return Err(Usage(
+            "needed are --left, --right or both, --side-by-side, or --source demo; a table stitches \
+             them"
+                .into(),
+        )
+        .into());
+    }
     let keep = |(bytes, name): (Vec<u8>, PathBuf)| streaming::keep(bytes, &name);
     let tables = bytes.map(keep).transpose()?;
     let size_px = tables.map(viewing::source_size_px).transpose()?;
