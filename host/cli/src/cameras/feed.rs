@@ -166,9 +166,28 @@ impl Feed {
     pub fn for_each(
         &mut self,
         stop: &Stop,
+        use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> anyhow::Result<ControlFlow<()>>,
+    ) -> anyhow::Result<()> {
+        self.run(stop, false, use_shot)
+    }
+
+    /// As [`for_each`](Self::for_each), and while one eye is away what the other gives.
+    pub fn for_each_available(
+        &mut self,
+        stop: &Stop,
+        use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> anyhow::Result<ControlFlow<()>>,
+    ) -> anyhow::Result<()> {
+        self.run(stop, true, use_shot)
+    }
+
+    fn run(
+        &mut self,
+        stop: &Stop,
+        with_lone: bool,
         mut use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> anyhow::Result<ControlFlow<()>>,
     ) -> anyhow::Result<()> {
         match self {
+            Self::Two(pairs) if with_lone => pairs.for_each_available(stop, use_shot),
             Self::Two(pairs) => pairs.for_each(stop, |Pair { left, right }, statistics| {
                 use_shot(&[Some(left), Some(right)], statistics)
             }),

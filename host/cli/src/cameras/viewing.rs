@@ -11,9 +11,7 @@ use serde_json::{Value, json};
 use tectum_capture::{LiveStitcher, Pace};
 use tectum_core::{Eye, Sampler, Tables};
 
-use super::{
-    Attitudes, Feed, Limits, Watch, showing, stop_on_interrupt, yaw_pitch_roll_deg,
-};
+use super::{Attitudes, Feed, Limits, Watch, showing, stop_on_interrupt, yaw_pitch_roll_deg};
 use crate::report::Report;
 
 /// Requests are looked at this often while the last pictures of a recording stay.
@@ -72,7 +70,7 @@ pub fn run(
         let has_time = feed.has_time();
         let mut is_over = false;
         let mut first_ns = None;
-        let shown = feed.for_each(&stop, |shot, statistics| {
+        let shown = feed.for_each_available(&stop, |shot, statistics| {
             let Some(frame) = shot[0].or(shot[1]) else {
                 return Ok(ControlFlow::Continue(()));
             };
