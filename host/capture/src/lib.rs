@@ -55,7 +55,7 @@ pub use mjpeg::Mjpeg;
 pub use operator::{Moment, Operator, Recorded};
 pub use pace::Pace;
 pub use pairing::{Drift, Step, pair_all, step};
-pub use pairs::{Late, Pair, PairStatistics, Pairs};
+pub use pairs::{Late, Pair, PairStatistics, Pairs, Shot};
 pub use pictures::{PictureError, Pictures, decode_picture};
 pub use rate::rate_of;
 pub use recorder::{Recorder, VideoKind};

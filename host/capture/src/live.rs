@@ -8,7 +8,7 @@ use tectum_core::{
 use tectum_tables::RunKind;
 
 use crate::convert::to_core;
-use crate::{CaptureError, Frame, FrameFormat, Layout, Pair};
+use crate::{CaptureError, Frame, FrameFormat, Layout, Pair, Shot};
 
 /// Luma of black in the limited range of video (ITU-R BT.601).
 const LIMITED_BLACK: u8 = 16;
@@ -98,10 +98,7 @@ impl<'t> LiveStitcher<'t> {
     ///
     /// # Errors
     /// [`CaptureError::Stitch`] if the frames' size is not the table's.
-    pub fn stitch_available(
-        &mut self,
-        eyes: [Option<Frame<'_>>; 2],
-    ) -> Result<Option<&mut [u8]>, CaptureError> {
+    pub fn stitch_available(&mut self, eyes: Shot<'_>) -> Result<Option<&mut [u8]>, CaptureError> {
         let Some(there) = eyes[0].or(eyes[1]) else {
             return Ok(None);
         };

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::preview::{Asked, Outcome, Picture, Request};
 use crate::{
-    CaptureError, Frame, Layout, MIN_FREE_BYTES, Recorder, VideoKind, check_free,
+    CaptureError, Frame, Layout, MIN_FREE_BYTES, Recorder, Shot, VideoKind, check_free,
     describe_recording, free_bytes, utc,
 };
 
@@ -89,7 +89,7 @@ impl fmt::Display for Recorded {
 #[derive(Debug, Clone, Copy)]
 pub struct Moment<'a> {
     /// Left and right.
-    pub eyes: [Option<Frame<'a>>; 2],
+    pub eyes: Shot<'a>,
     /// The stitched picture.
     pub stitched: Option<Frame<'a>>,
 }

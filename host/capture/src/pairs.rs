@@ -22,6 +22,9 @@ pub struct Pair<'a> {
     pub right: Frame<'a>,
 }
 
+/// What the eyes give at one moment, left and right.
+pub type Shot<'a> = [Option<Frame<'a>>; 2];
+
 /// What to do when pairs come faster than they are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Late {
@@ -186,7 +189,7 @@ impl Pairs {
     pub fn for_each_available<E: From<CaptureError>>(
         &mut self,
         stop: &Stop,
-        use_shot: impl FnMut(&[Option<Frame<'_>>; 2], &PairStatistics) -> Result<ControlFlow<()>, E>,
+        use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> Result<ControlFlow<()>, E>,
     ) -> Result<(), E> {
         self.run(stop, true, use_shot)
     }
@@ -195,7 +198,7 @@ impl Pairs {
         &mut self,
         stop: &Stop,
         with_lone: bool,
-        mut use_shot: impl FnMut(&[Option<Frame<'_>>; 2], &PairStatistics) -> Result<ControlFlow<()>, E>,
+        mut use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> Result<ControlFlow<()>, E>,
     ) -> Result<(), E> {
         let tolerance_ns = self.tolerance();
         let health = self.health();
@@ -253,7 +256,7 @@ impl Pairs {
                 Next::Frame(frame) => frame,
                 Next::Nothing if is_away(0) => {
                     hope.renew();
-                    // What is newest, if that is wanted: the other eye takes its time to say nothing.
+                    // The newest, if that is wanted: this eye takes its time to say nothing.
                     while with_lone && !stop.is_set() {
                         match right_source.next()? {
                             Next::Frame(right) => {

@@ -5,12 +5,9 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use tectum_capture::{
-    CaptureError, Counts, Frame, FrameFormat, FrameSource, Health, Late, Next, Pair,
-    PairStatistics, Pairs, Stop, half_format, halves,
+    CaptureError, Counts, FrameFormat, FrameSource, Health, Late, Next, Pair, PairStatistics,
+    Pairs, Shot, Stop, half_format, halves,
 };
-
-/// What the eyes give at one moment.
-pub type Shot<'a> = [Option<Frame<'a>>; 2];
 
 /// One source that gives both eyes in one picture, side by side.
 pub struct SideBySide {

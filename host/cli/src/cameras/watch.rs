@@ -6,12 +6,11 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use tectum_capture::preview::{Picture, Preview, Snapshot};
 use tectum_capture::{
-    CaptureError, Frame, FrameFormat, Health, Moment, Operator, PairStatistics, Recorded,
+    CaptureError, Frame, FrameFormat, Health, Moment, Operator, PairStatistics, Recorded, Shot,
     monotonic_ns,
 };
 
 use super::Feed;
-use super::feed::Shot;
 use super::feed::counts_json;
 use super::outages::Outages;
 use crate::progress::Progress;
