@@ -28,7 +28,7 @@ pub use format::{Format, Pair, Pass, draw_overlay, stitch, stitch_parallel};
 pub use mesh_cost::mesh_bytes;
 pub use output_map::output_map;
 pub use parallel::stitch_bands;
-pub use scales::{Scales, ScalesError, ScalesReport};
+pub use scales::{Scales, ScalesError, ScalesReport, scales_svg};
 pub use sights::{Sight, Sights};
 pub use tone::ToneError;
 pub use verify::{FormatResult, PixelError, Verification, VerifyError, verify};

@@ -22,6 +22,9 @@ pub struct Pair<'a> {
     pub right: Frame<'a>,
 }
 
+/// What the eyes give at one moment, left and right.
+pub type Shot<'a> = [Option<Frame<'a>>; 2];
+
 /// What to do when pairs come faster than they are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Late {
@@ -172,40 +175,119 @@ impl Pairs {
         stop: &Stop,
         mut use_pair: impl FnMut(Pair<'_>, &PairStatistics) -> Result<ControlFlow<()>, E>,
     ) -> Result<(), E> {
+        self.run(stop, false, |shot, statistics| match *shot {
+            [Some(left), Some(right)] => use_pair(Pair { left, right }, statistics),
+            _ => Ok(ControlFlow::Continue(())),
+        })
+    }
+
+    /// As [`for_each`](Self::for_each), and while one eye is away hands on what the other gives,
+    /// left and right.
+    ///
+    /// # Errors
+    /// As [`for_each`](Self::for_each).
+    pub fn for_each_available<E: From<CaptureError>>(
+        &mut self,
+        stop: &Stop,
+        use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> Result<ControlFlow<()>, E>,
+    ) -> Result<(), E> {
+        self.run(stop, true, use_shot)
+    }
+
+    fn run<E: From<CaptureError>>(
+        &mut self,
+        stop: &Stop,
+        with_lone: bool,
+        mut use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> Result<ControlFlow<()>, E>,
+    ) -> Result<(), E> {
         let tolerance_ns = self.tolerance();
         let health = self.health();
         let [left_source, right_source] = &mut self.sources;
         let statistics = &mut self.statistics;
+        let skips = self.late == Late::NewestWins;
         let is_live = [&*left_source, &*right_source].map(|eye| eye.source().is_live());
+        let is_away = |eye: usize| !health[eye].counts().connected;
         let mut hope = Hope::new();
         // Which eye ended, and whether a frame of the other was held.
         let ended: (usize, bool);
-        // A macro, because a function cannot ask again and still return what it borrowed.
-        macro_rules! sound_frame {
-            ($source:expr, $eye:expr, $other_is_held:expr, $run:lifetime) => {
+        // Macros, because a function cannot ask again and still return what it borrowed.
+        macro_rules! hand_on {
+            ($shot:expr) => {
+                let so_far = with_misstamped(*statistics, &health);
+                if use_shot(&$shot, &so_far)?.is_break() {
+                    return Ok(());
+                }
+            };
+        }
+        // A frame of an eye, while the other gives `$held`; if it is away, that has no partner.
+        macro_rules! partner {
+            ($source:expr, $eye:expr, $held:expr, $run:lifetime) => {
                 loop {
                     if stop.is_set() {
                         return Ok(());
                     }
                     match $source.next()? {
                         Next::Frame(frame) => break frame,
-                        Next::Nothing => {
-                            if !health[$eye].counts().connected {
-                                hope.renew();
+                        Next::Nothing if is_away($eye) => {
+                            hope.renew();
+                            if with_lone {
+                                statistics.alone[1 - $eye] += 1;
+                                let mut shot = [None, None];
+                                shot[1 - $eye] = Some($held);
+                                hand_on!(shot);
+                                continue $run;
                             }
                         }
+                        Next::Nothing => {}
                         Next::End => {
-                            ended = ($eye, $other_is_held);
+                            ended = ($eye, true);
                             break $run;
                         }
                     }
                 }
             };
         }
-        'run: {
-            let mut left = sound_frame!(left_source, 0, false, 'run);
+        // Each round begins without a frame.
+        'run: loop {
+            if stop.is_set() {
+                return Ok(());
+            }
+            let mut left = match left_source.next()? {
+                Next::Frame(frame) => frame,
+                Next::Nothing if is_away(0) => {
+                    hope.renew();
+                    // The newest, if that is wanted: this eye takes its time to say nothing.
+                    while with_lone && !stop.is_set() {
+                        match right_source.next()? {
+                            Next::Frame(right) => {
+                                statistics.alone[1] += 1;
+                                if skips && right.superseded {
+                                    continue;
+                                }
+                                hand_on!([None, Some(right)]);
+                            }
+                            Next::Nothing => {}
+                            Next::End => {
+                                ended = (1, false);
+                                break 'run;
+                            }
+                        }
+                        break;
+                    }
+                    continue;
+                }
+                Next::Nothing => continue,
+                Next::End => {
+                    ended = (0, false);
+                    break;
+                }
+            };
             statistics.first_left_ns.get_or_insert(left.time_ns);
-            let mut right = sound_frame!(right_source, 1, true, 'run);
+            if with_lone && skips && left.superseded && is_away(1) {
+                statistics.alone[0] += 1;
+                continue;
+            }
+            let mut right = partner!(right_source, 1, left, 'run);
             loop {
                 let tolerance_ns = tolerance_ns();
                 let step = step(left.time_ns, right.time_ns, tolerance_ns);
@@ -218,26 +300,21 @@ impl Pairs {
                 match step {
                     Step::SkipLeft => {
                         statistics.alone[0] += 1;
-                        left = sound_frame!(left_source, 0, true, 'run);
+                        left = partner!(left_source, 0, right, 'run);
                     }
                     Step::SkipRight => {
                         statistics.alone[1] += 1;
-                        right = sound_frame!(right_source, 1, true, 'run);
+                        right = partner!(right_source, 1, left, 'run);
                     }
                     Step::Pair => {
-                        let superseded = left.superseded && right.superseded;
-                        if self.late == Late::NewestWins && superseded {
+                        if skips && left.superseded && right.superseded {
                             statistics.late += 1;
                         } else {
                             statistics.pairs += 1;
                             statistics.drift.add(left.time_ns, right.time_ns);
-                            let so_far = with_misstamped(*statistics, &health);
-                            if use_pair(Pair { left, right }, &so_far)?.is_break() {
-                                return Ok(());
-                            }
+                            hand_on!([Some(left), Some(right)]);
                         }
-                        left = sound_frame!(left_source, 0, false, 'run);
-                        right = sound_frame!(right_source, 1, true, 'run);
+                        continue 'run;
                     }
                 }
             }

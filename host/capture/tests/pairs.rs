@@ -14,6 +14,7 @@ const PERIOD_NS: i64 = 10_000_000;
 enum Act {
     Frame { time_ns: i64, superseded: bool },
     Damaged,
+    Away,
 }
 
 struct Scripted {
@@ -74,10 +75,15 @@ impl FrameSource for Scripted {
                 self.health.corrupt();
                 Ok(Next::Nothing)
             }
+            Act::Away => {
+                self.health.set_connected(false);
+                Ok(Next::Nothing)
+            }
             Act::Frame {
                 time_ns,
                 superseded,
             } => {
+                self.health.set_connected(true);
                 self.data.fill(self.made as u8);
                 Ok(Next::Frame(Frame {
                     data: &self.data,
@@ -264,4 +270,56 @@ fn a_request_to_stop_ends_it() {
         })
         .unwrap();
     assert_eq!(seen, 3);
+}
+
+#[test]
+fn while_one_eye_is_away_the_other_is_handed_on_only_if_asked_for() {
+    let frame = |i: i64| Act::Frame {
+        time_ns: i * PERIOD_NS,
+        superseded: false,
+    };
+    let whole = || Scripted::at((0..9).map(|i| i * PERIOD_NS));
+    let broken = || {
+        let away = [Act::Away; 3];
+        Scripted::new([&[0, 1, 2].map(frame)[..], &away, &[6, 7, 8].map(frame)].concat())
+    };
+    for lost in 0..2 {
+        let pairs = || {
+            let [left, right] = if lost == 0 {
+                [broken(), whole()]
+            } else {
+                [whole(), broken()]
+            };
+            Pairs::new(left, right, None, Late::KeepAll).unwrap()
+        };
+        let mut seen = Vec::new();
+        let mut available = pairs();
+        available
+            .for_each_available::<CaptureError>(&Stop::default(), |shot, _| {
+                seen.push(shot.map(|frame| frame.map(|frame| frame.time_ns / PERIOD_NS)));
+                Ok(ControlFlow::Continue(()))
+            })
+            .unwrap();
+        let both = |i| [Some(i); 2];
+        let alone = |i| {
+            if lost == 0 {
+                [None, Some(i)]
+            } else {
+                [Some(i), None]
+            }
+        };
+        let wanted = [
+            [0, 1, 2].map(both),
+            [3, 4, 5].map(alone),
+            [6, 7, 8].map(both),
+        ]
+        .concat();
+        assert_eq!(seen, wanted, "{lost}");
+        let counted = available.statistics();
+        assert_eq!((counted.pairs, counted.alone[1 - lost]), (6, 3), "{lost}");
+        assert_eq!(counted.alone[lost], 0, "{lost}");
+        let mut paired = pairs();
+        assert_eq!(run(&mut paired).len(), 6, "{lost}");
+        assert_eq!(paired.statistics().alone[1 - lost], 3, "{lost}");
+    }
 }

@@ -125,3 +125,28 @@ fn limited_range_is_stitched_and_recorded_as_limited_with_black_void() {
     assert!(header.contains("XCOLORRANGE=LIMITED"), "{header}");
     assert!(header.contains("F30000:1001"), "{header}");
 }
+
+#[test]
+fn an_eye_that_is_not_there_is_black_in_the_range_of_the_other() {
+    let bytes = fs::read(stream("tiny.tct")).unwrap();
+    let tables = Tables::parse(&bytes).unwrap();
+    let mut source = Y4m::open(&stream("limited.y4m")).unwrap();
+    let Next::Frame(frame) = source.next().unwrap() else {
+        panic!("no frame");
+    };
+    let bright = vec![120; frame.data.len()];
+    let frame = Frame {
+        data: &bright,
+        ..frame
+    };
+    let mut stitcher = LiveStitcher::new(&tables, Sampler::Bilinear);
+    for eyes in [[Some(frame), None], [None, Some(frame)]] {
+        let stitched = stitcher.stitch_available(eyes).unwrap().unwrap();
+        let lumas = || stitched.iter().step_by(2);
+        assert!(lumas().all(|luma| (16..=235).contains(luma)));
+        let black = lumas().filter(|luma| **luma == 16).count();
+        let all = lumas().count();
+        assert!(black > all / 4 && black < all, "{black} of {all}");
+    }
+    assert!(stitcher.stitch_available([None, None]).unwrap().is_none());
+}

@@ -53,7 +53,7 @@ impl ControlSettings {
     }
 
     /// What a device has now, of those that it has.
-    fn of(device: &Device) -> Self {
+    pub(super) fn of(device: &Device) -> Self {
         let value = |id| match device.control(id) {
             Ok(Control {
                 value: Value::Integer(value),
@@ -65,6 +65,19 @@ impl ControlSettings {
             exposure: value(EXPOSURE),
             gain: value(GAIN),
             white_balance_k: value(WHITE_BALANCE_K),
+        }
+    }
+
+    /// Of what devices have, what the first has in those controls that all have.
+    pub(super) fn common(present: &[Self]) -> Self {
+        let common = |pick: fn(&Self) -> Option<i64>| {
+            let all_have = present.iter().all(|has| pick(has).is_some());
+            present.first().and_then(pick).filter(|_| all_have)
+        };
+        Self {
+            exposure: common(|has| has.exposure),
+            gain: common(|has| has.gain),
+            white_balance_k: common(|has| has.white_balance_k),
         }
     }
 }
@@ -116,15 +129,15 @@ pub fn lock_together(
     };
     let devices = cameras.iter().map(open).collect::<Result<Vec<_>, _>>()?;
     let present: Vec<_> = devices.iter().map(ControlSettings::of).collect();
-    let both = |pick: fn(&ControlSettings) -> Option<i64>| {
-        let all_have = present.iter().all(|has| pick(has).is_some());
-        let of_first = present.first().and_then(pick);
-        pick(&asked).or(of_first.filter(|_| the_rest_too && all_have))
+    let common = if the_rest_too {
+        ControlSettings::common(&present)
+    } else {
+        ControlSettings::default()
     };
     let settings = ControlSettings {
-        exposure: both(|s| s.exposure),
-        gain: both(|s| s.gain),
-        white_balance_k: both(|s| s.white_balance_k),
+        exposure: asked.exposure.or(common.exposure),
+        gain: asked.gain.or(common.gain),
+        white_balance_k: asked.white_balance_k.or(common.white_balance_k),
     };
     for (device, camera) in devices.iter().zip(cameras) {
         settings

@@ -8,10 +8,12 @@ mod controls;
 mod driver;
 mod failure;
 mod list;
+mod live;
 mod negotiate;
 
 pub use controls::{ControlSettings, lock_together};
 pub use list::{Listed, list, stable_names};
+pub use live::LiveControls;
 pub use negotiate::Wanted;
 
 use std::path::{Path, PathBuf};
@@ -26,8 +28,8 @@ use driver::{Filled, Stream};
 /// Buffers that the driver may fill ahead: one is in use here, one is being written, two take up
 /// what a busy moment delays.
 const BUFFERS: u32 = 4;
-/// Longest wait of one call.
-const WAIT: Duration = Duration::from_millis(500);
+/// Longest wait of one call: the other eye is not kept waiting for longer.
+const WAIT: Duration = Duration::from_millis(100);
 /// Without a frame for this long, or for [`STALL_PERIODS`] if that is longer, a camera is taken to
 /// have stalled, and is opened again.
 const STALL: Duration = Duration::from_secs(2);
@@ -38,6 +40,8 @@ const FIRST_FRAME: Duration = Duration::from_secs(10);
 /// they double.
 const RETRY: Duration = Duration::from_millis(200);
 const MAX_RETRY: Duration = Duration::from_secs(1);
+/// Longest wait of one call during such a pause.
+const WAIT_IN_PAUSE: Duration = Duration::from_millis(20);
 
 /// A camera.
 pub struct Camera {
@@ -51,6 +55,8 @@ pub struct Camera {
     open: Option<Opened>,
     failed: bool,
     pause: Duration,
+    /// When to try to open it again, if it is away.
+    retry: Instant,
     sequence: Option<u32>,
     joined: Vec<u8>,
     health: Arc<Health>,
@@ -102,6 +108,7 @@ impl Camera {
             open: Some(opened),
             failed: false,
             pause: RETRY,
+            retry: Instant::now(),
             sequence: None,
             joined: Vec::new(),
             health: Arc::default(),
@@ -224,14 +231,19 @@ impl FrameSource for Camera {
             self.open = None;
             self.sequence = None;
             self.failed = false;
-            std::thread::sleep(self.pause);
+            self.retry = Instant::now() + self.pause;
             self.pause = (self.pause * 2).min(MAX_RETRY);
         }
-        if self.open.is_none()
-            && let Err(error) = self.reopen()
-        {
-            self.lose(error.to_string());
-            return Ok(Next::Nothing);
+        if self.open.is_none() {
+            let left = self.retry.saturating_duration_since(Instant::now());
+            if !left.is_zero() {
+                std::thread::sleep(left.min(WAIT_IN_PAUSE));
+                return Ok(Next::Nothing);
+            }
+            if let Err(error) = self.reopen() {
+                self.lose(error.to_string());
+                return Ok(Next::Nothing);
+            }
         }
         let Some(filled) = self.fetch() else {
             return Ok(Next::Nothing);

@@ -5,12 +5,9 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use tectum_capture::{
-    CaptureError, Counts, Frame, FrameFormat, FrameSource, Health, Late, Next, Pair,
-    PairStatistics, Pairs, Stop, half_format, halves,
+    CaptureError, Counts, FrameFormat, FrameSource, Health, Late, Next, Pair, PairStatistics,
+    Pairs, Shot, Stop, half_format, halves,
 };
-
-/// What the eyes give at one moment.
-pub type Shot<'a> = [Option<Frame<'a>>; 2];
 
 /// One source that gives both eyes in one picture, side by side.
 pub struct SideBySide {
@@ -102,7 +99,8 @@ impl Feed {
         self.is_live() || self.period_ns().is_some()
     }
 
-    fn period_ns(&self) -> Option<u64> {
+    /// From one frame to the next, ns, as it should be; `None` where time plays no part.
+    pub fn period_ns(&self) -> Option<u64> {
         match self {
             Self::One(source, _) => source.period_ns(),
             Self::Two(pairs) => pairs.period_ns(),
@@ -132,6 +130,16 @@ impl Feed {
         }
     }
 
+    /// Name and counters of each source; there is one where it gives both eyes.
+    pub fn sources(&self) -> [Option<(String, Arc<Health>)>; 2] {
+        match self {
+            Self::One(..) | Self::Two(_) => self.eyes(),
+            Self::SideBySide(SideBySide { source, .. }) => {
+                [Some((source.name().to_owned(), source.health())), None]
+            }
+        }
+    }
+
     /// What is known of each eye's source, for a recording's description.
     pub fn facts(&self) -> [Value; 2] {
         match self {
@@ -155,9 +163,28 @@ impl Feed {
     pub fn for_each(
         &mut self,
         stop: &Stop,
+        use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> anyhow::Result<ControlFlow<()>>,
+    ) -> anyhow::Result<()> {
+        self.run(stop, false, use_shot)
+    }
+
+    /// As [`for_each`](Self::for_each), and while one eye is away what the other gives.
+    pub fn for_each_available(
+        &mut self,
+        stop: &Stop,
+        use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> anyhow::Result<ControlFlow<()>>,
+    ) -> anyhow::Result<()> {
+        self.run(stop, true, use_shot)
+    }
+
+    fn run(
+        &mut self,
+        stop: &Stop,
+        with_lone: bool,
         mut use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> anyhow::Result<ControlFlow<()>>,
     ) -> anyhow::Result<()> {
         match self {
+            Self::Two(pairs) if with_lone => pairs.for_each_available(stop, use_shot),
             Self::Two(pairs) => pairs.for_each(stop, |Pair { left, right }, statistics| {
                 use_shot(&[Some(left), Some(right)], statistics)
             }),

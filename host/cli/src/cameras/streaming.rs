@@ -9,7 +9,7 @@ use serde_json::json;
 use tectum_capture::{CaptureError, Frame, LiveStitcher, Pair, Recorder};
 use tectum_core::{Eye, Sampler, Tables};
 
-use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt};
+use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt, viewing};
 use crate::files;
 use crate::report::{Report, path_json};
 
@@ -38,21 +38,13 @@ pub fn run(
     scales: Option<LiveScales<'_>>,
     (limits, view): (&Limits, &ViewArgs),
 ) -> anyhow::Result<Report> {
-    let needed = source_size_px(tables)?;
+    viewing::check_size(feed, source_size_px(tables)?)?;
     let given = feed.format();
     let has_time = feed.has_time();
-    if given.size_px != needed {
-        bail!(
-            "the eyes give {given}, the table needs {}x{} px: give --frame-size, or bake a table \
-             for this size",
-            needed[0],
-            needed[1]
-        );
-    }
     let stop = stop_on_interrupt(limits)?;
     let preview = view
         .view
-        .map(|address| showing::serve(address, feed, Some(tables)));
+        .map(|address| showing::serve(address, feed, Some(tables), false));
     let mut watch = Watch::new(feed, preview.transpose()?);
     let mut stitcher = LiveStitcher::new(tables, sampler);
     let out_format = stitcher.output_format(given);
@@ -69,12 +61,8 @@ pub fn run(
         if let Some(scales) = &scales {
             let since = statistics.first_left_ns.unwrap_or(left.time_ns);
             let since_ns = left.time_ns.wrapping_sub(since);
-            let time_s = if has_time {
-                since_ns as f64 / 1e9
-            } else {
-                scales.time_of_frame_s(since_ns)?
-            };
-            scales.draw(time_s, out_format.layout.core_format(), stitched)?;
+            let layout = out_format.layout.core_format();
+            scales.draw((since_ns, has_time), layout, stitched)?;
         }
         let stitched = &*stitched;
         if let Some(recorder) = &mut recorder {
@@ -84,7 +72,7 @@ pub fn run(
                 ..left
             })?;
         }
-        watch.shot(shot, Some((stitched, out_format)), begun, statistics, None);
+        watch.shot(shot, Some((stitched, out_format)), begun, statistics);
         Ok(limits.flow(watch.shots(), watch.start()))
     });
     if let Some(recorder) = &mut recorder

@@ -307,6 +307,11 @@ fn both_eyes_side_by_side_are_two_videos() {
         let frames = read(&bench.path(&format!("c/{eye}.y4m")));
         assert_eq!(frames, [(0, value), (1, value), (2, value)], "{eye}");
     }
+    let arguments = "view --side-by-side wide.y4m --address 127.0.0.1:0 --at-end stop --json";
+    let shown = bench.run(arguments).stdout;
+    let shown: serde_json::Value = serde_json::from_slice(&shown).unwrap();
+    assert_eq!(shown["frames"], 3);
+    assert_eq!(shown["recordings"], serde_json::json!([]));
 }
 
 #[cfg(not(feature = "v4l2"))]

@@ -222,6 +222,46 @@ least 'away: the recording goes on' $(($(wc -c <away/left.y4m) - before)) 576000
 holds 'away: it says so' 'waiting for a camera' away.err
 holds 'away: and when it is back' ': back' away.err
 
+# The page: what cameras are set to while they run, and the eye that is left while the other is away.
+ifconfig lo 127.0.0.1 up
+# ask METHOD PATH TOKEN: the whole answer. The connection stays open until it is there.
+ask() {
+    { printf '%s %s HTTP/1.1\r\nHost: 127.0.0.1:8088\r\nX-Tectum-Token: %s\r\n' "$1" "$2" "$3"
+      printf 'Content-Length: 0\r\nConnection: close\r\n\r\n'
+      sleep 2; } | nc 127.0.0.1 8088
+}
+v4l2-ctl -d "$A" -c gain_automatic=0,gain=66 >/dev/null
+v4l2-ctl -d "$B" -c gain_automatic=0,gain=20 >/dev/null
+tectum view --left "$L" --right "$R" --address 127.0.0.1:8088 --frame-size 320x180 \
+    --pixel-format GREY --rate 25 --seconds 20 --json >page.json 2>page.err &
+viewer=$!
+sleep 3
+ask POST /lock '' >bare.txt
+holds 'page: nothing is set without the token' '403 Forbidden' bare.txt
+equal 'page: and stays as it was' "$(v4l2-ctl -d "$B" -C gain)" 'gain: 20'
+ask POST /lock "$(sed -n 's/.*#token=//p' page.err)" >locked.txt
+holds 'page: with it the cameras are locked' '200 OK' locked.txt
+equal 'page: to the same gain' "$(v4l2-ctl -d "$B" -C gain)" 'gain: 66'
+sleep 9 <"$OUT_A" &
+holder=$!
+fault inject_vidioc_streamon_error=1
+fault inject_vidioc_reqbufs_error=1
+fault disconnect=1
+sleep 5
+ask GET /status.json '' >status.txt
+holds 'page: says which eye is away' '"left":{"connected":false' status.txt
+holds 'page: which the other is not' '"right":{"connected":true' status.txt
+holds 'page: what it shows is live' '"stalled":false' status.txt
+wait $holder
+if wait $viewer; then ok 'page: ends well'; else
+    cp page.err /tmp/err
+    fail 'page: ends well' "exit code $?"
+fi
+least 'page: the left eye came back' "$(counts left reconnects page.json)" 1
+# Of nine seconds at 25 Hz, less two until the loss is noticed.
+alone=$(sed -n 's/.*"alone":\[[0-9]*,\([0-9]*\)\].*/\1/p' page.json)
+least 'page: the right eye alone' "$alone" 100
+
 # The clock stands sixteen seconds before it wraps round.
 for camera in "$A" "$B"; do v4l2-ctl -d "$camera" -c wrap_timestamp=1 >/dev/null; done
 stream wrap 20

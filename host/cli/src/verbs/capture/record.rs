@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use serde_json::Value;
-use tectum_capture::{Recorder, VideoKind, describe_recording};
+use tectum_capture::{Operator, Recorder, VideoKind, describe_recording};
 
 use super::Args;
 use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
@@ -31,8 +31,9 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
     let description = format!("{:#}\n", describe(feed, rate));
     let stop = stop_on_interrupt(&args.limits)?;
     let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None));
-    let mut watch = Watch::new(feed, preview.transpose()?);
+    let preview = view.map(|address| showing::serve(address, feed, None, true));
+    let operator = Operator::new(folder, feed.rate(), true);
+    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
     let done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         for (recorder, frame) in recorders.iter_mut().zip(shot) {
@@ -43,7 +44,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
         if watch.shots() == 0 {
             files::write(&about, description.as_bytes())?;
         }
-        watch.shot(shot, None, begun, statistics, None);
+        watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
     });
     // What has been recorded is whole, whatever ended it.

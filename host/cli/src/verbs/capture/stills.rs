@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use tectum_capture::{Frame, MIN_FREE_BYTES, check_free, to_rgb8};
+use tectum_capture::{Frame, MIN_FREE_BYTES, Operator, check_free, to_rgb8};
 
 use super::Args;
 use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
@@ -14,8 +14,9 @@ use crate::report::Report;
 pub fn run(args: &Args, feed: &mut Feed, folder: &Path) -> anyhow::Result<Report> {
     let stop = stop_on_interrupt(&args.limits)?;
     let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None));
-    let mut watch = Watch::new(feed, preview.transpose()?);
+    let preview = view.map(|address| showing::serve(address, feed, None, true));
+    let operator = Operator::new(folder, feed.rate(), true);
+    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
     let mut number = next_number(folder);
     feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
@@ -25,7 +26,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path) -> anyhow::Result<Report
             }
         }
         number += 1;
-        watch.shot(shot, None, begun, statistics, None);
+        watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
     watch.end(feed)?;

@@ -151,7 +151,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
 
     let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
     if let Some(step_deg) = args.scales {
-        LiveScales::of_body(&tables, step_deg)?.draw(0.0, format, &mut stitched)?;
+        LiveScales::of_body(&tables, step_deg)?.draw((0, true), format, &mut stitched)?;
     }
     let picture = if format == Format::Gray8 {
         let gray = GrayImage::from_raw(width, height, stitched);
