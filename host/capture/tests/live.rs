@@ -58,7 +58,9 @@ fn every_layout_gives_the_bytes_of_the_core() {
     for (layout, format) in [
         (Layout::Grey, Format::Gray8),
         (Layout::Yuyv, Format::Yuyv),
+        (Layout::Uyvy, Format::Uyvy),
         (Layout::Rgb565, Format::Rgb565),
+        (Layout::Rgb565Be, Format::Rgb565Be),
         (Layout::Rgb24, Format::Rgb8),
     ] {
         let eyes = [31, 57].map(|seed| from_rgb8(format, &rgb(seed)));
