@@ -1,5 +1,6 @@
 //! Pixel formats: one module each, the loop over a run's pixels and what a pixel is.
 
+mod display;
 mod gray8;
 mod rgb565;
 mod rgb8;
@@ -10,6 +11,7 @@ use tectum_tables::{Channel, Ramp, Segments};
 use crate::kernel::{Position, Source};
 use crate::tone::Curves;
 
+pub use display::YuvRange;
 pub use gray8::Gray8;
 pub use rgb8::Rgb8;
 pub use rgb565::{Packed565, Rgb565, Rgb565Be};

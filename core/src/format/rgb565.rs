@@ -44,7 +44,7 @@ impl<const BIG_ENDIAN: bool> Packed565<BIG_ENDIAN> {
     }
 
     #[inline(always)]
-    fn pack([r, g, b]: [u32; 3]) -> [u8; 2] {
+    pub(super) fn pack([r, g, b]: [u32; 3]) -> [u8; 2] {
         let word = (r << 11 | g << 5 | b) as u16;
         if BIG_ENDIAN {
             word.to_be_bytes()

@@ -4,7 +4,7 @@
 
 use tectum_board::{entry, exit_success};
 use tectum_core::{Gray8, Rgb8, Rgb565, Rgb565Be, Uyvy, Yuyv};
-use tectum_proofs::{exposure, lookup, overlay, stitch, targets};
+use tectum_proofs::{display, exposure, lookup, overlay, stitch, targets};
 
 #[entry]
 fn main() -> ! {
@@ -27,6 +27,8 @@ fn main() -> ! {
     overlay::<Yuyv>(ROOM);
     overlay::<Uyvy>(ROOM);
     overlay::<Rgb8>(ROOM);
+    display::<false>(ROOM);
+    display::<true>(ROOM);
     lookup();
     targets();
     #[cfg(feature = "deliberate-panic")]
