@@ -53,6 +53,10 @@ pub fn to_core<'a>(
             }
             Ok((scratch, width * 2))
         }
+        Layout::Bayer(bayer) => {
+            *scratch = bayer.to_rgb8(frame.data, [width, height], stride_bytes);
+            Ok((scratch, width * 3))
+        }
         Layout::Mjpeg => {
             *scratch = jpeg::to_rgb8(frame.data, frame.format.size_px)?;
             Ok((scratch, width * 3))

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use tectum_bake::Format;
 
+use crate::Bayer;
+
 /// Layout of a frame's bytes, named as Video4Linux names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Layout {
@@ -24,19 +26,21 @@ pub enum Layout {
     Nv12,
     /// `MJPG`: a JPEG picture for each frame.
     Mjpeg,
+    /// `RGGB` and its kind: what a sensor gives, one colour for each pixel.
+    Bayer(Bayer),
 }
 
 /// A text that names no layout.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "\"{0}\" is no known pixel format: needed is YUYV, UYVY, GREY, RGBP (RGB565), RGBR (RGB565BE), RGB3, \
-     NV12 or MJPG"
+     NV12, MJPG, or of a sensor RGGB, BA81, GRBG, GBRG, RG10, BG10, BA10 or GB10"
 )]
 pub struct UnknownLayout(pub String);
 
 impl Layout {
     /// All layouts, those that the core takes without conversion first.
-    pub const ALL: [Layout; 8] = [
+    pub const ALL: [Layout; 16] = [
         Self::Yuyv,
         Self::Uyvy,
         Self::Grey,
@@ -45,6 +49,14 @@ impl Layout {
         Self::Rgb24,
         Self::Nv12,
         Self::Mjpeg,
+        Self::Bayer(Bayer::ALL[0]),
+        Self::Bayer(Bayer::ALL[1]),
+        Self::Bayer(Bayer::ALL[2]),
+        Self::Bayer(Bayer::ALL[3]),
+        Self::Bayer(Bayer::ALL[4]),
+        Self::Bayer(Bayer::ALL[5]),
+        Self::Bayer(Bayer::ALL[6]),
+        Self::Bayer(Bayer::ALL[7]),
     ];
 
     /// Four-character code.
@@ -58,6 +70,7 @@ impl Layout {
             Self::Rgb24 => "RGB3",
             Self::Nv12 => "NV12",
             Self::Mjpeg => "MJPG",
+            Self::Bayer(bayer) => bayer.fourcc(),
         }
     }
 
@@ -69,7 +82,7 @@ impl Layout {
             Self::Grey => Format::Gray8,
             Self::Rgb565 => Format::Rgb565,
             Self::Rgb565Be => Format::Rgb565Be,
-            Self::Rgb24 | Self::Mjpeg => Format::Rgb8,
+            Self::Rgb24 | Self::Mjpeg | Self::Bayer(_) => Format::Rgb8,
         }
     }
 
@@ -80,6 +93,7 @@ impl Layout {
             Self::Yuyv | Self::Uyvy | Self::Rgb565 | Self::Rgb565Be => Some(2),
             Self::Rgb24 => Some(3),
             Self::Mjpeg => None,
+            Self::Bayer(bayer) => Some(bayer.bytes_per_pixel()),
         }
     }
 }

@@ -293,7 +293,7 @@ fn planes(frame: &Frame<'_>, scratch: &mut Vec<u8>) -> Option<(Colorspace, [Vec<
             let [u, v] = [0, 1].map(|start| every(&chroma, start, 2));
             (Colorspace::C420jpeg, [rows(width, luma, height), u, v])
         }
-        Layout::Rgb565 | Layout::Rgb565Be | Layout::Rgb24 | Layout::Mjpeg => {
+        Layout::Rgb565 | Layout::Rgb565Be | Layout::Rgb24 | Layout::Mjpeg | Layout::Bayer(_) => {
             // Through the checks of the conversion; then luma and chroma for each pixel.
             to_core(frame, scratch).ok()?;
             let rgb = to_rgb8(frame).ok()?;
