@@ -27,7 +27,10 @@ impl core::fmt::Display for FrameError {
         match self {
             Self::TooShort { needed } => write!(f, "the frame needs {needed} bytes"),
             Self::Stride { needed } => write!(f, "the stride must be at least {needed} bytes"),
-            Self::Size => write!(f, "width and height must be positive (width even for YUYV)"),
+            Self::Size => write!(
+                f,
+                "width and height must be positive (even width for 4:2:2)"
+            ),
         }
     }
 }

@@ -13,17 +13,17 @@ pub type Curve = [u8; 256];
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Channel {
-    /// Luma: Gray8, Yuyv.
+    /// Luma: Gray8, Yuyv, Uyvy.
     Luma,
-    /// Blue difference: Yuyv.
+    /// Blue difference: Yuyv, Uyvy.
     U,
-    /// Red difference: Yuyv.
+    /// Red difference: Yuyv, Uyvy.
     V,
-    /// Red: Rgb8, Rgb565.
+    /// Red: Rgb8, Rgb565, Rgb565Be.
     Red,
-    /// Green: Rgb8, Rgb565.
+    /// Green: Rgb8, Rgb565, Rgb565Be.
     Green,
-    /// Blue: Rgb8, Rgb565.
+    /// Blue: Rgb8, Rgb565, Rgb565Be.
     Blue,
 }
 

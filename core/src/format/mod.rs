@@ -1,5 +1,6 @@
 //! Pixel formats: one module each, the loop over a run's pixels and what a pixel is.
 
+mod display;
 mod gray8;
 mod rgb565;
 mod rgb8;
@@ -10,12 +11,29 @@ use tectum_tables::{Channel, Ramp, Segments};
 use crate::kernel::{Position, Source};
 use crate::tone::Curves;
 
+pub use display::YuvRange;
 pub use gray8::Gray8;
 pub use rgb8::Rgb8;
-pub use rgb565::Rgb565;
-pub use yuyv::Yuyv;
+pub use rgb565::{Packed565, Rgb565, Rgb565Be};
+pub use yuyv::{Packed422, Uyvy, Yuyv};
 
-/// A pixel format that the core can stitch. Sealed: the kernels are part of the core.
+/// A pixel format that the core can stitch.
+///
+/// Sealed, for two reasons. A kernel reads source pixels without a check, at places that
+/// [`Tables::parse`](crate::Tables::parse) has proven for whole pixels of a frame; what it may read
+/// is the core's promise to keep. And every format is compared byte by byte with a definition that
+/// is as public as it is (`tables/FORMAT.md`), on every processor.
+///
+/// **Without a new format**: [`Rgb8`] treats its channels alike, so BGR goes through it as it is
+/// (tone curves then apply to the channels in the order red, green, blue). Planes of equal size go
+/// through [`Gray8`] one by one. 4:2:0 in two planes (NV12) is turned into YUYV by whoever fills the
+/// frame buffer: each chroma row serves two luma rows.
+///
+/// **A new one** that is a known one with its bytes in other places is a constant of
+/// [`Packed422`] or [`Packed565`] and an implementation of this trait, in one file; else it is a module
+/// with the loops of the hidden `Kernel`. On the host it is named in `host/bake/src/format.rs`, and
+/// `convert.rs` and `reference/planes.rs` beside it say what its bytes mean; the differential tests then
+/// take it up by themselves. `tables/FORMAT.md` defines it.
 pub trait PixelFormat: Kernel + Copy + core::fmt::Debug {
     /// Bytes to a pixel.
     const BYTES_PER_PIXEL: usize;

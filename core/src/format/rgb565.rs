@@ -6,12 +6,17 @@ use super::{Kernel, PixelFormat, limited};
 use crate::kernel::{Position, Source, Spot, bilinear, blend, walk};
 use crate::tone::Curves;
 
-/// A little-endian 16-bit word to a pixel: red in bits 15..11, green 10..5, blue 4..0. Channels
-/// are interpolated and blended at their own depth; 8-bit curves take them by repeating their bits
-/// and give them back rounded.
+/// A 16-bit word to a pixel: red in bits 15..11, green 10..5, blue 4..0. Channels are interpolated
+/// and blended at their own depth; 8-bit curves take them by repeating their bits and give them back
+/// rounded. `BIG_ENDIAN` says whether a word's upper byte comes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Rgb565;
+pub struct Packed565<const BIG_ENDIAN: bool>;
+
+/// Little-endian words of 5, 6, 5 bits, as most processors keep them.
+pub type Rgb565 = Packed565<false>;
+/// Big-endian words of 5, 6, 5 bits, as sensors on a parallel bus and displays on SPI send them.
+pub type Rgb565Be = Packed565<true>;
 
 impl PixelFormat for Rgb565 {
     const BYTES_PER_PIXEL: usize = 2;
@@ -20,29 +25,55 @@ impl PixelFormat for Rgb565 {
     const NAME: &'static str = "rgb565";
 }
 
+impl PixelFormat for Rgb565Be {
+    const BYTES_PER_PIXEL: usize = Rgb565::BYTES_PER_PIXEL;
+    const CHANNELS: &'static [Channel] = Rgb565::CHANNELS;
+    const METERED: Channel = Rgb565::METERED;
+    const NAME: &'static str = "rgb565be";
+}
+
+impl<const BIG_ENDIAN: bool> Packed565<BIG_ENDIAN> {
+    /// The red, green and blue of a pixel's bytes.
+    #[inline(always)]
+    fn unpack(bytes: [u8; 2]) -> [u32; 3] {
+        channels(u32::from(if BIG_ENDIAN {
+            u16::from_be_bytes(bytes)
+        } else {
+            u16::from_le_bytes(bytes)
+        }))
+    }
+
+    #[inline(always)]
+    pub(super) fn pack([r, g, b]: [u32; 3]) -> [u8; 2] {
+        let word = (r << 11 | g << 5 | b) as u16;
+        if BIG_ENDIAN {
+            word.to_be_bytes()
+        } else {
+            word.to_le_bytes()
+        }
+    }
+
+    #[inline(always)]
+    fn read(spot: Spot<'_>, offset: usize) -> [u32; 3] {
+        let [low, high] = if BIG_ENDIAN { [1, 0] } else { [0, 1] };
+        channels(spot.byte(offset + low) | spot.byte(offset + high) << 8)
+    }
+
+    #[inline(always)]
+    fn sample<P: Position>(spot: Spot<'_>, fraction_q8: [u32; 2]) -> [u32; 3] {
+        if !P::INTERPOLATES {
+            return Self::read(spot, 0);
+        }
+        let below = spot.below();
+        let [a, b] = [0, 2].map(|offset| Self::read(spot, offset));
+        let [c, d] = [0, 2].map(|offset| Self::read(below, offset));
+        [0, 1, 2].map(|i| bilinear([a[i], b[i], c[i], d[i]], fraction_q8))
+    }
+}
+
 #[inline(always)]
 fn channels(word: u32) -> [u32; 3] {
     [word >> 11, (word >> 5) & 63, word & 31]
-}
-
-#[inline(always)]
-fn read(spot: Spot<'_>, offset: usize) -> [u32; 3] {
-    channels(spot.byte(offset) | spot.byte(offset + 1) << 8)
-}
-
-#[inline(always)]
-fn sample<P: Position>(spot: Spot<'_>, fraction_q8: [u32; 2]) -> [u32; 3] {
-    if !P::INTERPOLATES {
-        return read(spot, 0);
-    }
-    let below = spot.below();
-    let [a, b, c, d] = [read(spot, 0), read(spot, 2), read(below, 0), read(below, 2)];
-    [0, 1, 2].map(|i| bilinear([a[i], b[i], c[i], d[i]], fraction_q8))
-}
-
-#[inline(always)]
-fn pack([r, g, b]: [u32; 3]) -> [u8; 2] {
-    ((r << 11 | g << 5 | b) as u16).to_le_bytes()
 }
 
 /// A channel of `BITS` bits (5 or 6) as 8 bits: its upper ones again below it.
@@ -61,7 +92,7 @@ fn toned<const BITS: u32>(value: u32, curve: &Curve) -> u32 {
 }
 
 #[allow(private_bounds, private_interfaces)]
-impl Kernel for Rgb565 {
+impl<const BIG_ENDIAN: bool> Kernel for Packed565<BIG_ENDIAN> {
     #[inline]
     fn fill(row: &mut [u8], start: usize, len: usize) {
         row.get_mut(2 * start..2 * (start + len))
@@ -72,7 +103,7 @@ impl Kernel for Rgb565 {
     #[inline(never)]
     fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
         walk::<P, 2>(source, segments, row, start, |out, spot, fraction_q8| {
-            *out = pack(sample::<P>(spot, fraction_q8));
+            *out = Self::pack(Self::sample::<P>(spot, fraction_q8));
         });
     }
 
@@ -82,9 +113,8 @@ impl Kernel for Rgb565 {
             .get_mut(2 * start..2 * (start + len))
             .unwrap_or_default();
         for (out, right) in out.as_chunks_mut().0.iter_mut().zip(right.as_chunks().0) {
-            let [old, new] =
-                [*out, *right].map(|word| channels(u32::from(u16::from_le_bytes(word))));
-            *out = pack([0, 1, 2].map(|i| blend(old[i], new[i], ramp.left_weight())));
+            let [old, new] = [*out, *right].map(Self::unpack);
+            *out = Self::pack([0, 1, 2].map(|i| blend(old[i], new[i], ramp.left_weight())));
             ramp.step();
         }
     }
@@ -96,8 +126,8 @@ impl Kernel for Rgb565 {
             .get_mut(2 * start..2 * (start + len))
             .unwrap_or_default();
         for word in words.as_chunks_mut().0 {
-            let [r, g, b] = channels(u32::from(u16::from_le_bytes(*word)));
-            *word = pack([
+            let [r, g, b] = Self::unpack(*word);
+            *word = Self::pack([
                 toned::<5>(r, red),
                 toned::<6>(g, green),
                 toned::<5>(b, blue),
@@ -112,15 +142,14 @@ impl Kernel for Rgb565 {
             .get_mut(2 * start..2 * (start + len))
             .unwrap_or_default();
         for word in words.as_chunks_mut().0 {
-            let [r, g, b] = channels(u32::from(u16::from_le_bytes(*word)));
-            *word = pack([limited(r, five), limited(g, six), limited(b, five)]);
+            let [r, g, b] = Self::unpack(*word);
+            *word = Self::pack([limited(r, five), limited(g, six), limited(b, five)]);
         }
     }
 
     #[inline]
     fn metered(bytes: &[u8]) -> Option<u8> {
-        let word = u16::from_le_bytes(*bytes.first_chunk()?);
-        let [_, green, _] = channels(u32::from(word));
+        let [_, green, _] = Self::unpack(*bytes.first_chunk()?);
         Some(widened::<6>(green) as u8)
     }
 }

@@ -9,8 +9,8 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 
 use tectum_core::{
-    AngularSize, BinaryAngle, Direction, Exposure, Eye, Frame, Gains, Lookup, Meter, Painter,
-    PixelBox, PixelFormat, Sampler, Stitcher, Tables, Targets, Tone, View,
+    AngularSize, BinaryAngle, Direction, Exposure, Eye, Frame, Gains, Lookup, Meter, Packed565,
+    Painter, PixelBox, PixelFormat, Sampler, Stitcher, Tables, Targets, Tone, View, YuvRange,
 };
 
 #[panic_handler]
@@ -112,6 +112,21 @@ pub fn overlay<F: PixelFormat>(out: &mut [u8]) {
     };
     let painter = tables.overlay().map(Painter::<F>::new);
     let _ = black_box(painter.map(|painter| painter.row(black_box(0), black_box(out))));
+}
+
+/// Turns rows into what displays take.
+pub fn display<const BIG_ENDIAN: bool>(row: &mut [u8]) {
+    for range in [YuvRange::Full, YuvRange::Limited] {
+        let range = black_box(range);
+        let _ = black_box(Packed565::<BIG_ENDIAN>::from_yuyv_in_place(
+            black_box(row),
+            range,
+        ));
+        let _ = black_box(Packed565::<BIG_ENDIAN>::from_uyvy_in_place(
+            black_box(row),
+            range,
+        ));
+    }
 }
 
 /// Makes targets of boxes.

@@ -5,8 +5,8 @@ mod common;
 use common::{Case, SMALL};
 use criterion::{BenchmarkGroup, Throughput, measurement::WallTime};
 use rayon::ThreadPool;
-use tectum_bake::{Format, bake, stitch_bands};
-use tectum_core::{Eye, Frame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Tables, Yuyv};
+use tectum_bake::{Format, bake, stitch_bands, with_format};
+use tectum_core::{Eye, Frame, PixelFormat, Sampler, Tables};
 
 const LARGE: Case = Case {
     output_px: [2048, 1024],
@@ -26,13 +26,7 @@ fn main() {
         group.throughput(Throughput::Elements(width * height));
         for (threads, pool) in &pools {
             for format in Format::ALL {
-                let bench = match format {
-                    Format::Gray8 => stitch::<Gray8>,
-                    Format::Rgb565 => stitch::<Rgb565>,
-                    Format::Yuyv => stitch::<Yuyv>,
-                    Format::Rgb8 => stitch::<Rgb8>,
-                };
-                bench(&mut group, &tables, threads, pool);
+                with_format!(format, F => stitch::<F>(&mut group, &tables, threads, pool));
             }
         }
         group.finish();

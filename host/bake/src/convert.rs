@@ -4,11 +4,14 @@
 
 use crate::Format;
 
-/// `rgb` (three bytes a pixel, rows tightly packed) in another format. For YUYV the chroma of a
-/// pair is its even pixel's, where the format sites it; an odd last pixel is dropped.
+/// `rgb` (three bytes a pixel, rows tightly packed) in another format. For YUYV and UYVY the chroma
+/// of a pair is its even pixel's, where the formats site it; an odd last pixel is dropped.
 pub fn from_rgb8(format: Format, rgb: &[u8]) -> Vec<u8> {
     let pixels = rgb.as_chunks::<3>().0;
     match format {
+        Format::Rgb565Be | Format::Uyvy => format
+            .swapped(&from_rgb8(format.unswapped(), rgb))
+            .into_owned(),
         Format::Rgb8 => rgb.to_vec(),
         Format::Gray8 => pixels.iter().map(|p| luma(*p)).collect(),
         Format::Rgb565 => pixels
@@ -33,6 +36,7 @@ pub fn from_rgb8(format: Format, rgb: &[u8]) -> Vec<u8> {
 /// `bytes` in `format` as three bytes a pixel.
 pub fn to_rgb8(format: Format, bytes: &[u8]) -> Vec<u8> {
     match format {
+        Format::Rgb565Be | Format::Uyvy => to_rgb8(format.unswapped(), &format.swapped(bytes)),
         Format::Rgb8 => bytes.to_vec(),
         Format::Gray8 => bytes.iter().flat_map(|y| [*y; 3]).collect(),
         Format::Rgb565 => bytes
@@ -100,8 +104,10 @@ mod tests {
                 (Format::Rgb8, 0),
                 // Half a step of 5 bits is 255 / 62.
                 (Format::Rgb565, 5),
+                (Format::Rgb565Be, 5),
                 // Rounding of luma and both chromas, times up to 1.772.
                 (Format::Yuyv, 3),
+                (Format::Uyvy, 3),
             ] {
                 let back = to_rgb8(format, &from_rgb8(format, &rgb));
                 for (a, b) in back.iter().zip(rgb) {
@@ -109,6 +115,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn bytes_are_in_the_order_that_formats_name() {
+        let rgb = [255, 0, 0, 0, 0, 255];
+        let [y0, u, y1, v] = [76, 86, 29, 255];
+        assert_eq!(from_rgb8(Format::Yuyv, &rgb), [y0, u, y1, v]);
+        assert_eq!(from_rgb8(Format::Uyvy, &rgb), [u, y0, v, y1]);
+        assert_eq!(from_rgb8(Format::Rgb565, &rgb), [0, 0xf8, 0x1f, 0]);
+        assert_eq!(from_rgb8(Format::Rgb565Be, &rgb), [0xf8, 0, 0, 0x1f]);
     }
 
     #[test]

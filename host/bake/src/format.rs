@@ -1,9 +1,9 @@
 //! The pixel formats of the core as a value, for tools that choose one at run time.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
-use tectum_core::{
-    Eye, Frame, Gray8, Overlay, Painter, PixelFormat, Rgb8, Rgb565, Sampler, Stitcher, Tables, Yuyv,
-};
+use tectum_core::{Eye, Frame, Overlay, Painter, PixelFormat, Sampler, Stitcher, Tables};
 
 use crate::StitchFailure;
 use crate::parallel::stitch_bands;
@@ -12,43 +12,89 @@ use crate::parallel::stitch_bands;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
-    /// [`Gray8`].
+    /// [`tectum_core::Gray8`].
     Gray8,
-    /// [`Rgb565`].
+    /// [`tectum_core::Rgb565`].
     Rgb565,
-    /// [`Yuyv`].
+    /// [`tectum_core::Rgb565Be`].
+    Rgb565Be,
+    /// [`tectum_core::Yuyv`].
     Yuyv,
-    /// [`Rgb8`].
+    /// [`tectum_core::Uyvy`].
+    Uyvy,
+    /// [`tectum_core::Rgb8`].
     Rgb8,
+}
+
+/// `$body` with the core's type of the [`Format`] `$format` under the name `$type`: the one place
+/// that says which is which.
+///
+/// ```
+/// use tectum_bake::{Format, with_format};
+/// use tectum_core::PixelFormat;
+///
+/// assert_eq!(with_format!(Format::Yuyv, F => F::NAME), "yuyv");
+/// ```
+#[macro_export]
+macro_rules! with_format {
+    ($format:expr, $type:ident => $body:expr) => {
+        $crate::with_format!($format, $type => $body; Gray8 Rgb565 Rgb565Be Yuyv Uyvy Rgb8)
+    };
+    ($format:expr, $type:ident => $body:expr; $($name:ident)*) => {
+        match $format {
+            $($crate::Format::$name => {
+                type $type = ::tectum_core::$name;
+                $body
+            })*
+        }
+    };
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 4] = [Format::Gray8, Format::Rgb565, Format::Yuyv, Format::Rgb8];
+    pub const ALL: [Format; 6] = [
+        Format::Gray8,
+        Format::Rgb565,
+        Format::Rgb565Be,
+        Format::Yuyv,
+        Format::Uyvy,
+        Format::Rgb8,
+    ];
 
     /// Name as written on command lines.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Gray8 => Gray8::NAME,
-            Self::Rgb565 => Rgb565::NAME,
-            Self::Yuyv => Yuyv::NAME,
-            Self::Rgb8 => Rgb8::NAME,
-        }
+        with_format!(self, F => F::NAME)
     }
 
     /// Bytes to a pixel.
     pub fn bytes_per_pixel(self) -> usize {
-        match self {
-            Self::Gray8 => Gray8::BYTES_PER_PIXEL,
-            Self::Rgb565 => Rgb565::BYTES_PER_PIXEL,
-            Self::Yuyv => Yuyv::BYTES_PER_PIXEL,
-            Self::Rgb8 => Rgb8::BYTES_PER_PIXEL,
-        }
+        with_format!(self, F => F::BYTES_PER_PIXEL)
     }
 
     /// Whether pictures of this width can be held.
     pub fn holds_width(self, width_px: u16) -> bool {
-        self != Self::Yuyv || width_px.is_multiple_of(2)
+        usize::from(width_px).is_multiple_of(with_format!(self, F => F::PIXELS))
+    }
+
+    /// The format that has the two bytes of each pixel the other way round, for those that are
+    /// defined so: YUYV for UYVY, RGB565 for its big-endian form; all others are themselves.
+    #[must_use]
+    pub fn unswapped(self) -> Self {
+        match self {
+            Self::Rgb565Be => Self::Rgb565,
+            Self::Uyvy => Self::Yuyv,
+            Self::Gray8 | Self::Rgb565 | Self::Yuyv | Self::Rgb8 => self,
+        }
+    }
+
+    /// `bytes` of this format in [`Format::unswapped`], or the other way round; an odd last byte is
+    /// dropped where bytes are swapped.
+    pub(crate) fn swapped(self, bytes: &[u8]) -> Cow<'_, [u8]> {
+        if self == self.unswapped() {
+            return Cow::Borrowed(bytes);
+        }
+        let pixels = bytes.as_chunks::<2>().0;
+        Cow::Owned(pixels.iter().flat_map(|&[a, b]| [b, a]).collect())
     }
 }
 
@@ -81,12 +127,7 @@ pub fn stitch(
     pass: Pass,
     pair: Pair<'_>,
 ) -> Result<Vec<u8>, StitchFailure> {
-    match format {
-        Format::Gray8 => stitch_as::<Gray8>(tables, sampler, pass, pair),
-        Format::Rgb565 => stitch_as::<Rgb565>(tables, sampler, pass, pair),
-        Format::Yuyv => stitch_as::<Yuyv>(tables, sampler, pass, pair),
-        Format::Rgb8 => stitch_as::<Rgb8>(tables, sampler, pass, pair),
-    }
+    with_format!(format, F => stitch_as::<F>(tables, sampler, pass, pair))
 }
 
 /// Stitches a whole picture with the core on all threads of the present rayon pool: the same
@@ -100,12 +141,7 @@ pub fn stitch_parallel(
     sampler: Sampler,
     pair: Pair<'_>,
 ) -> Result<Vec<u8>, StitchFailure> {
-    match format {
-        Format::Gray8 => stitch_parallel_as::<Gray8>(tables, sampler, pair),
-        Format::Rgb565 => stitch_parallel_as::<Rgb565>(tables, sampler, pair),
-        Format::Yuyv => stitch_parallel_as::<Yuyv>(tables, sampler, pair),
-        Format::Rgb8 => stitch_parallel_as::<Rgb8>(tables, sampler, pair),
-    }
+    with_format!(format, F => stitch_parallel_as::<F>(tables, sampler, pair))
 }
 
 /// Draws an overlay over a picture of its size, rows tightly packed, with the core.
@@ -117,12 +153,7 @@ pub fn draw_overlay(
     format: Format,
     picture: &mut [u8],
 ) -> Result<(), StitchFailure> {
-    match format {
-        Format::Gray8 => draw_overlay_as::<Gray8>(overlay, picture),
-        Format::Rgb565 => draw_overlay_as::<Rgb565>(overlay, picture),
-        Format::Yuyv => draw_overlay_as::<Yuyv>(overlay, picture),
-        Format::Rgb8 => draw_overlay_as::<Rgb8>(overlay, picture),
-    }
+    with_format!(format, F => draw_overlay_as::<F>(overlay, picture))
 }
 
 fn draw_overlay_as<F: PixelFormat>(

@@ -32,9 +32,12 @@ pub fn to_core<'a>(
     }
     let [width, height] = [width, height].map(usize::from);
     match layout {
-        Layout::Yuyv | Layout::Grey | Layout::Rgb565 | Layout::Rgb24 => {
-            Ok((frame.data, stride_bytes))
-        }
+        Layout::Yuyv
+        | Layout::Uyvy
+        | Layout::Grey
+        | Layout::Rgb565
+        | Layout::Rgb565Be
+        | Layout::Rgb24 => Ok((frame.data, stride_bytes)),
         Layout::Nv12 => {
             scratch.clear();
             let (luma, chroma) = frame.data.split_at(stride_bytes * height);
@@ -49,6 +52,10 @@ pub fn to_core<'a>(
                 scratch.extend(pairs.flat_map(|([even, odd], [u, v])| [*even, *u, *odd, *v]));
             }
             Ok((scratch, width * 2))
+        }
+        Layout::Bayer(bayer) => {
+            *scratch = bayer.to_rgb8(frame.data, [width, height], stride_bytes);
+            Ok((scratch, width * 3))
         }
         Layout::Mjpeg => {
             *scratch = jpeg::to_rgb8(frame.data, frame.format.size_px)?;
@@ -79,7 +86,12 @@ pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
         )
     };
     Ok(match format {
-        Format::Yuyv if !frame.format.full_range => core_to_rgb8(format, &expanded(&packed)),
+        Format::Yuyv if !frame.format.full_range => {
+            core_to_rgb8(format, &expanded(&packed, [wider_luma, wider_chroma]))
+        }
+        Format::Uyvy if !frame.format.full_range => {
+            core_to_rgb8(format, &expanded(&packed, [wider_chroma, wider_luma]))
+        }
         Format::Gray8 if !frame.format.full_range => {
             let wide: Vec<u8> = packed.iter().map(|value| wider_luma(*value)).collect();
             core_to_rgb8(format, &wide)
@@ -99,13 +111,15 @@ fn wider_luma(value: u8) -> u8 {
     wider(value, 16, 0, 219)
 }
 
-/// YUYV of limited range (ITU-R BT.601) in full range.
-fn expanded(yuyv: &[u8]) -> Vec<u8> {
-    let chroma = |value| wider(value, 128, 128, 224);
-    let pixels = yuyv.as_chunks::<4>().0.iter();
-    let wide =
-        pixels.flat_map(|&[y0, u, y1, v]| [wider_luma(y0), chroma(u), wider_luma(y1), chroma(v)]);
-    wide.collect()
+fn wider_chroma(value: u8) -> u8 {
+    wider(value, 128, 128, 224)
+}
+
+/// Packed 4:2:2 of limited range (ITU-R BT.601) in full range, by what the first and the second byte
+/// of each pixel is.
+fn expanded(packed: &[u8], [first, second]: [fn(u8) -> u8; 2]) -> Vec<u8> {
+    let pixels = packed.as_chunks::<2>().0.iter();
+    pixels.flat_map(|&[a, b]| [first(a), second(b)]).collect()
 }
 
 #[cfg(test)]
@@ -144,6 +158,12 @@ mod tests {
         };
         let data = [16, 128, 235, 128, 126, 128, 0, 128, 255, 128, 255, 128];
         let rgb = to_rgb8(&frame(&data, format)).unwrap();
+        let swapped: Vec<u8> = data.chunks(2).flat_map(|p| [p[1], p[0]]).collect();
+        let uyvy = FrameFormat {
+            layout: Layout::Uyvy,
+            ..format
+        };
+        assert_eq!(to_rgb8(&frame(&swapped, uyvy)).as_ref(), Ok(&rgb));
         assert_eq!(rgb[..6], [0, 0, 0, 255, 255, 255]);
         assert_eq!(rgb[6..12], [128, 128, 128, 0, 0, 0]);
         assert_eq!(rgb[12..], [255; 6]);

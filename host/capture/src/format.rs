@@ -5,50 +5,72 @@ use std::str::FromStr;
 
 use tectum_bake::Format;
 
+use crate::Bayer;
+
 /// Layout of a frame's bytes, named as Video4Linux names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Layout {
     /// `YUYV`: 4:2:2, packed.
     Yuyv,
+    /// `UYVY`: the same, chroma before luma.
+    Uyvy,
     /// `GREY`: 8-bit luma.
     Grey,
     /// `RGBP`: 5, 6, 5 bits, little-endian.
     Rgb565,
+    /// `RGBR`: the same, big-endian.
+    Rgb565Be,
     /// `RGB3`: 8 bits each of red, green, blue.
     Rgb24,
     /// `NV12`: a plane of luma, then a plane of chroma pairs, 4:2:0.
     Nv12,
     /// `MJPG`: a JPEG picture for each frame.
     Mjpeg,
+    /// `RGGB` and its kind: what a sensor gives, one colour for each pixel.
+    Bayer(Bayer),
 }
 
 /// A text that names no layout.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "\"{0}\" is no known pixel format: needed is YUYV, GREY, RGBP (RGB565), RGB3, NV12 or MJPG"
+    "\"{0}\" is no known pixel format: needed is YUYV, UYVY, GREY, RGBP (RGB565), RGBR (RGB565BE), RGB3, \
+     NV12, MJPG, or of a sensor RGGB, BA81, GRBG, GBRG, RG10, BG10, BA10 or GB10"
 )]
 pub struct UnknownLayout(pub String);
 
 impl Layout {
     /// All layouts, those that the core takes without conversion first.
-    pub const ALL: [Layout; 6] = [
+    pub const ALL: [Layout; 16] = [
         Self::Yuyv,
+        Self::Uyvy,
         Self::Grey,
         Self::Rgb565,
+        Self::Rgb565Be,
         Self::Rgb24,
         Self::Nv12,
         Self::Mjpeg,
+        Self::Bayer(Bayer::ALL[0]),
+        Self::Bayer(Bayer::ALL[1]),
+        Self::Bayer(Bayer::ALL[2]),
+        Self::Bayer(Bayer::ALL[3]),
+        Self::Bayer(Bayer::ALL[4]),
+        Self::Bayer(Bayer::ALL[5]),
+        Self::Bayer(Bayer::ALL[6]),
+        Self::Bayer(Bayer::ALL[7]),
     ];
 
     /// Four-character code.
     pub fn fourcc(self) -> &'static str {
         match self {
             Self::Yuyv => "YUYV",
+            Self::Uyvy => "UYVY",
             Self::Grey => "GREY",
             Self::Rgb565 => "RGBP",
+            Self::Rgb565Be => "RGBR",
             Self::Rgb24 => "RGB3",
             Self::Nv12 => "NV12",
             Self::Mjpeg => "MJPG",
+            Self::Bayer(bayer) => bayer.fourcc(),
         }
     }
 
@@ -56,9 +78,11 @@ impl Layout {
     pub fn core_format(self) -> Format {
         match self {
             Self::Yuyv | Self::Nv12 => Format::Yuyv,
+            Self::Uyvy => Format::Uyvy,
             Self::Grey => Format::Gray8,
             Self::Rgb565 => Format::Rgb565,
-            Self::Rgb24 | Self::Mjpeg => Format::Rgb8,
+            Self::Rgb565Be => Format::Rgb565Be,
+            Self::Rgb24 | Self::Mjpeg | Self::Bayer(_) => Format::Rgb8,
         }
     }
 
@@ -66,9 +90,10 @@ impl Layout {
     pub fn bytes_per_pixel(self) -> Option<usize> {
         match self {
             Self::Grey | Self::Nv12 => Some(1),
-            Self::Yuyv | Self::Rgb565 => Some(2),
+            Self::Yuyv | Self::Uyvy | Self::Rgb565 | Self::Rgb565Be => Some(2),
             Self::Rgb24 => Some(3),
             Self::Mjpeg => None,
+            Self::Bayer(bayer) => Some(bayer.bytes_per_pixel()),
         }
     }
 }
@@ -85,6 +110,7 @@ impl FromStr for Layout {
     fn from_str(text: &str) -> Result<Self, UnknownLayout> {
         let name = match &*text.to_ascii_uppercase() {
             "RGB565" => "RGBP".to_owned(),
+            "RGB565BE" => "RGBR".to_owned(),
             "RGB24" => "RGB3".to_owned(),
             "MJPEG" => "MJPG".to_owned(),
             name => name.to_owned(),
@@ -105,7 +131,7 @@ pub struct FrameFormat {
     pub size_px: [u16; 2],
     /// From the start of a row to the next, bytes; 0 for compressed frames.
     pub stride_bytes: usize,
-    /// Whether luma and chroma of YUYV and NV12 use all of a byte, as in JPEG, or 16 to 235 and 16 to
+    /// Whether luma and chroma of YUYV, UYVY and NV12 use all of a byte, as in JPEG, or 16 to 235 and 16 to
     /// 240, as in video and from most cameras. The core does not care; conversions to RGB do.
     pub full_range: bool,
 }
@@ -152,6 +178,7 @@ mod tests {
             assert_eq!(layout.fourcc().to_lowercase().parse(), Ok(layout));
         }
         assert_eq!("rgb565".parse(), Ok(Layout::Rgb565));
+        assert_eq!("rgb565be".parse(), Ok(Layout::Rgb565Be));
         assert_eq!("mjpeg".parse(), Ok(Layout::Mjpeg));
         assert!("H264".parse::<Layout>().is_err());
     }

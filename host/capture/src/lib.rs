@@ -7,6 +7,7 @@
 //! together by the time at which their frames were taken. [`preview`] shows what comes out in a
 //! browser.
 
+mod bayer;
 mod believed;
 mod clock;
 mod convert;
@@ -40,6 +41,7 @@ mod utc;
 mod writer;
 mod y4m_file;
 
+pub use bayer::{Bayer, Depth, Mosaic};
 pub use clock::{Judgement, Period, Stamp, is_plausible, judge, monotonic_ns};
 pub use convert::{NotDecodable, to_core, to_rgb8};
 pub use description::describe_recording;

@@ -1,9 +1,7 @@
 //! Stitching of frames as they come.
 
-use tectum_bake::{Format, StitchFailure, stitch_bands};
-use tectum_core::{
-    Eye, Frame as CoreFrame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Tables, Yuyv,
-};
+use tectum_bake::{Format, StitchFailure, stitch_bands, with_format};
+use tectum_core::{Eye, Frame as CoreFrame, PixelFormat, Sampler, Tables};
 
 use tectum_tables::RunKind;
 
@@ -50,7 +48,9 @@ impl<'t> LiveStitcher<'t> {
         match frames.core_format() {
             Format::Gray8 => Layout::Grey,
             Format::Rgb565 => Layout::Rgb565,
+            Format::Rgb565Be => Layout::Rgb565Be,
             Format::Yuyv => Layout::Yuyv,
+            Format::Uyvy => Layout::Uyvy,
             Format::Rgb8 => Layout::Rgb24,
         }
     }
@@ -59,15 +59,15 @@ impl<'t> LiveStitcher<'t> {
     /// stay as they are.
     pub fn output_format(&self, frames: FrameFormat) -> FrameFormat {
         let layout = Self::output_layout(frames.layout);
-        let keeps_range = matches!(layout, Layout::Grey | Layout::Yuyv);
+        let keeps_range = matches!(layout, Layout::Grey | Layout::Yuyv | Layout::Uyvy);
         FrameFormat {
             full_range: frames.full_range || !keeps_range,
             ..FrameFormat::packed(layout, self.output_size_px())
         }
     }
 
-    /// Where no eye sees anything, black as limited range has it.
-    fn limit_void(&mut self, bytes_per_pixel: usize) {
+    /// Where no eye sees anything, black as limited range has it; `luma` is its byte of a pixel.
+    fn limit_void(&mut self, bytes_per_pixel: usize, luma: usize) {
         let row_bytes = usize::from(self.tables.output_width_px()) * bytes_per_pixel;
         let rows = (0..self.tables.output_height_px()).zip(self.out.chunks_exact_mut(row_bytes));
         for (y, row) in rows {
@@ -76,8 +76,8 @@ impl<'t> LiveStitcher<'t> {
                     continue;
                 }
                 let [start, len] = [run.start, run.len].map(|px| px as usize * bytes_per_pixel);
-                for luma in row[start..start + len].iter_mut().step_by(bytes_per_pixel) {
-                    *luma = LIMITED_BLACK;
+                for pixel in row[start..start + len].chunks_exact_mut(bytes_per_pixel) {
+                    pixel[luma] = LIMITED_BLACK;
                 }
             }
         }
@@ -121,8 +121,14 @@ impl<'t> LiveStitcher<'t> {
             format.frame_bytes(),
             if full_range { 0 } else { LIMITED_BLACK },
         );
-        if layout == Layout::Yuyv {
-            black.iter_mut().skip(1).step_by(2).for_each(|c| *c = 128);
+        let chroma = match layout {
+            Layout::Yuyv => Some(1),
+            Layout::Uyvy => Some(0),
+            _ => None,
+        };
+        if let Some(first) = chroma {
+            let bytes = black.iter_mut().skip(first);
+            bytes.step_by(2).for_each(|c| *c = 128);
         }
         let missing = Frame {
             data: &black,
@@ -136,12 +142,7 @@ impl<'t> LiveStitcher<'t> {
     }
 
     fn stitch_pair(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {
-        match pair.left.format.layout.core_format() {
-            Format::Gray8 => self.stitch_as::<Gray8>(pair),
-            Format::Rgb565 => self.stitch_as::<Rgb565>(pair),
-            Format::Yuyv => self.stitch_as::<Yuyv>(pair),
-            Format::Rgb8 => self.stitch_as::<Rgb8>(pair),
-        }
+        with_format!(pair.left.format.layout.core_format(), F => self.stitch_as::<F>(pair))
     }
 
     fn stitch_as<F: PixelFormat + Sync>(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {
@@ -162,7 +163,8 @@ impl<'t> LiveStitcher<'t> {
         stitch_bands(self.tables, self.sampler, &left, &right, &mut self.out)
             .map_err(StitchFailure::from)?;
         if !self.output_format(pair.left.format).full_range {
-            self.limit_void(F::BYTES_PER_PIXEL);
+            let luma = usize::from(pair.left.format.layout == Layout::Uyvy);
+            self.limit_void(F::BYTES_PER_PIXEL, luma);
         }
         Ok(true)
     }

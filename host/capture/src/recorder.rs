@@ -45,7 +45,7 @@ impl VideoKind {
 /// Writes frames to a video, each with its time. Each frame is handed to the system in one piece
 /// and nothing is written behind it, so that whatever ends the program leaves all frames before.
 ///
-/// YUYV, GREY and NV12 are kept bit for bit in y4m, and MJPG in MJPEG; the rest is converted.
+/// YUYV, UYVY, GREY and NV12 are kept bit for bit in y4m, and MJPG in MJPEG; the rest is converted.
 #[derive(Debug)]
 pub struct Recorder {
     path: PathBuf,
@@ -280,9 +280,11 @@ fn planes(frame: &Frame<'_>, scratch: &mut Vec<u8>) -> Option<(Colorspace, [Vec<
             let luma = rows(width, frame.data, height);
             (Colorspace::Cmono, [luma, Vec::new(), Vec::new()])
         }
-        Layout::Yuyv => {
+        Layout::Yuyv | Layout::Uyvy => {
             let packed = rows(2 * width, frame.data, height);
-            let planes = [(0, 2), (1, 4), (3, 4)].map(|(start, step)| every(&packed, start, step));
+            let luma = usize::from(layout == Layout::Uyvy);
+            let planes = [(luma, 2), (1 - luma, 4), (3 - luma, 4)];
+            let planes = planes.map(|(start, step)| every(&packed, start, step));
             (Colorspace::C422, planes)
         }
         Layout::Nv12 => {
@@ -291,7 +293,7 @@ fn planes(frame: &Frame<'_>, scratch: &mut Vec<u8>) -> Option<(Colorspace, [Vec<
             let [u, v] = [0, 1].map(|start| every(&chroma, start, 2));
             (Colorspace::C420jpeg, [rows(width, luma, height), u, v])
         }
-        Layout::Rgb565 | Layout::Rgb24 | Layout::Mjpeg => {
+        Layout::Rgb565 | Layout::Rgb565Be | Layout::Rgb24 | Layout::Mjpeg | Layout::Bayer(_) => {
             // Through the checks of the conversion; then luma and chroma for each pixel.
             to_core(frame, scratch).ok()?;
             let rgb = to_rgb8(frame).ok()?;

@@ -7,10 +7,13 @@ use crate::{CaptureError, Frame, FrameFormat, Layout};
 ///
 /// # Errors
 /// [`CaptureError::NotOffered`] if the width cannot be halved: it is odd or, where pixels share
-/// colours in pairs, half of it is.
+/// colours in pairs or give them by turns, half of it is.
 pub fn half_format(name: &str, whole: FrameFormat) -> Result<FrameFormat, CaptureError> {
     let [width, height] = whole.size_px;
-    let shares = matches!(whole.layout, Layout::Yuyv | Layout::Nv12);
+    let shares = matches!(
+        whole.layout,
+        Layout::Yuyv | Layout::Uyvy | Layout::Nv12 | Layout::Bayer(_)
+    );
     if width % if shares { 4 } else { 2 } != 0 {
         return Err(CaptureError::NotOffered {
             name: name.to_owned(),
@@ -66,9 +69,11 @@ mod tests {
         for layout in [
             Layout::Grey,
             Layout::Yuyv,
+            Layout::Uyvy,
             Layout::Rgb24,
             Layout::Nv12,
             Layout::Rgb565,
+            Layout::Rgb565Be,
         ] {
             for padding in [0, 6] {
                 let packed = FrameFormat::packed(layout, [16, 6]);

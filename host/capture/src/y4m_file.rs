@@ -186,7 +186,8 @@ fn pack(format: FrameFormat, [y, u, v]: [&[u8]; 3], out: &mut Vec<u8>) {
             let pixels = y.iter().zip(u.iter().zip(v));
             out.extend(pixels.flat_map(|(y, (u, v))| rgb(*y, *u, *v, format.full_range)));
         }
-        Layout::Grey | Layout::Rgb565 | Layout::Mjpeg => out.extend_from_slice(y),
+        // The other layouts are not among those that a header names.
+        _ => out.extend_from_slice(y),
     }
 }
 

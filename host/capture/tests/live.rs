@@ -2,7 +2,9 @@
 
 use tectum_bake::convert::from_rgb8;
 use tectum_bake::{BakeOptions, Format, Pass, bake, stitch};
-use tectum_capture::{CaptureError, Frame, FrameFormat, Layout, LiveStitcher, Pair};
+use tectum_capture::{
+    Bayer, CaptureError, Frame, FrameFormat, Layout, LiveStitcher, Pair, to_rgb8,
+};
 use tectum_core::{Sampler, Tables};
 use tectum_optics::{Projection, Rig};
 
@@ -58,7 +60,9 @@ fn every_layout_gives_the_bytes_of_the_core() {
     for (layout, format) in [
         (Layout::Grey, Format::Gray8),
         (Layout::Yuyv, Format::Yuyv),
+        (Layout::Uyvy, Format::Uyvy),
         (Layout::Rgb565, Format::Rgb565),
+        (Layout::Rgb565Be, Format::Rgb565Be),
         (Layout::Rgb24, Format::Rgb8),
     ] {
         let eyes = [31, 57].map(|seed| from_rgb8(format, &rgb(seed)));
@@ -87,6 +91,33 @@ fn every_layout_gives_the_bytes_of_the_core() {
                 "{layout} with {padding} bytes of padding"
             );
         }
+    }
+}
+
+#[test]
+fn a_sensor_s_colours_are_stitched_as_the_rgb_that_they_become() {
+    let bytes = table();
+    let tables = Tables::parse(&bytes).unwrap();
+    for bayer in Bayer::ALL {
+        let packed = FrameFormat::packed(Layout::Bayer(bayer), [SIDE, SIDE]);
+        let format = FrameFormat {
+            stride_bytes: packed.stride_bytes + 16,
+            ..packed
+        };
+        let eyes = [31, 57].map(|seed| {
+            let bytes = (0..format.frame_bytes()).map(|i| (i * seed % 251) as u8);
+            bytes.collect::<Vec<u8>>()
+        });
+        let [left, right] = eyes.each_ref().map(|data| frame(data, format));
+        let [left_rgb, right_rgb] = [&left, &right].map(|frame| to_rgb8(frame).unwrap());
+        let rgb = tectum_bake::Pair {
+            left: &left_rgb,
+            right: &right_rgb,
+        };
+        let wanted = stitch(&tables, Format::Rgb8, Sampler::Bilinear, Pass::Both, rgb).unwrap();
+        let mut stitcher = LiveStitcher::new(&tables, Sampler::Bilinear);
+        let stitched = stitcher.stitch(&Pair { left, right }).unwrap().unwrap();
+        assert!(stitched == wanted, "{bayer:?}");
     }
 }
 

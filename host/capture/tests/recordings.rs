@@ -76,6 +76,20 @@ fn y4m_keeps_yuyv_grey_and_nv12_bit_for_bit_with_their_times() {
 }
 
 #[test]
+fn uyvy_is_recorded_bit_for_bit_and_read_as_yuyv() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("uyvy.y4m");
+    let format = FrameFormat::packed(Layout::Uyvy, [16, 6]);
+    let written = record(&path, VideoKind::Y4m, format, 2);
+    let mut source = Y4m::open(&path).unwrap();
+    assert_eq!(source.format(), FrameFormat::packed(Layout::Yuyv, [16, 6]));
+    for (data, (read, ..)) in written.iter().zip(read_all(&mut source).0) {
+        let swapped: Vec<u8> = data.chunks(2).flat_map(|p| [p[1], p[0]]).collect();
+        assert!(read == swapped);
+    }
+}
+
+#[test]
 fn padding_between_rows_is_left_out() {
     let folder = tempfile::tempdir().unwrap();
     for layout in [Layout::Yuyv, Layout::Grey, Layout::Nv12] {

@@ -2,7 +2,7 @@
 
 use tectum_core::{
     AngularSize, Exposure, Eye, Frame, Gray8, Lookup, Meter, Painter, PixelBox, PixelFormat, Rgb8,
-    Rgb565, Sampler, Stitcher, TableError, Tables, Targets, Tone, View, Yuyv,
+    Rgb565, Rgb565Be, Sampler, Stitcher, TableError, Tables, Targets, Tone, Uyvy, View, Yuyv,
 };
 
 /// Parses `bytes`; a table that parses is run in every format and sampler over frames of exactly
@@ -25,7 +25,9 @@ pub fn parse_and_run(bytes: &[u8]) -> Result<(), TableError> {
     }
     run::<Gray8>(&tables, sources);
     run::<Rgb565>(&tables, sources);
+    run::<Rgb565Be>(&tables, sources);
     run::<Yuyv>(&tables, sources);
+    run::<Uyvy>(&tables, sources);
     run::<Rgb8>(&tables, sources);
     let lookup = Lookup::new(&tables);
     for pixel in [[0, 0], [i32::MIN, i32::MAX], [12_345, 678], [-128, -128]] {

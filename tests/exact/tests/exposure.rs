@@ -266,7 +266,9 @@ fn gains_act_as_a_table_with_the_same_curves() {
         formats::<Gray8>(&mut rng, &tables, &baked, gains, seed);
         formats::<Rgb8>(&mut rng, &tables, &baked, gains, seed);
         formats::<tectum_core::Rgb565>(&mut rng, &tables, &baked, gains, seed);
+        formats::<tectum_core::Rgb565Be>(&mut rng, &tables, &baked, gains, seed);
         formats::<tectum_core::Yuyv>(&mut rng, &tables, &baked, gains, seed);
+        formats::<tectum_core::Uyvy>(&mut rng, &tables, &baked, gains, seed);
     }
 }
 
@@ -346,7 +348,9 @@ fn identity_curves_and_gains_of_one_change_no_byte() {
             formats::<Gray8>(&mut rng, &same, &plain, gains, seed);
             formats::<Rgb8>(&mut rng, &same, &plain, gains, seed);
             formats::<tectum_core::Rgb565>(&mut rng, &same, &plain, gains, seed);
+            formats::<tectum_core::Rgb565Be>(&mut rng, &same, &plain, gains, seed);
             formats::<tectum_core::Yuyv>(&mut rng, &same, &plain, gains, seed);
+            formats::<tectum_core::Uyvy>(&mut rng, &same, &plain, gains, seed);
         }
     }
 }

@@ -3,24 +3,32 @@
 #![no_main]
 
 use tectum_board::{entry, exit_success};
-use tectum_core::{Gray8, Rgb8, Rgb565, Yuyv};
-use tectum_proofs::{exposure, lookup, overlay, stitch, targets};
+use tectum_core::{Gray8, Rgb8, Rgb565, Rgb565Be, Uyvy, Yuyv};
+use tectum_proofs::{display, exposure, lookup, overlay, stitch, targets};
 
 #[entry]
 fn main() -> ! {
     static mut ROOM: [u8; 64] = [0; 64];
     stitch::<Gray8>(ROOM);
     stitch::<Rgb565>(ROOM);
+    stitch::<Rgb565Be>(ROOM);
     stitch::<Yuyv>(ROOM);
+    stitch::<Uyvy>(ROOM);
     stitch::<Rgb8>(ROOM);
     exposure::<Gray8>();
     exposure::<Rgb565>();
+    exposure::<Rgb565Be>();
     exposure::<Yuyv>();
+    exposure::<Uyvy>();
     exposure::<Rgb8>();
     overlay::<Gray8>(ROOM);
     overlay::<Rgb565>(ROOM);
+    overlay::<Rgb565Be>(ROOM);
     overlay::<Yuyv>(ROOM);
+    overlay::<Uyvy>(ROOM);
     overlay::<Rgb8>(ROOM);
+    display::<false>(ROOM);
+    display::<true>(ROOM);
     lookup();
     targets();
     #[cfg(feature = "deliberate-panic")]

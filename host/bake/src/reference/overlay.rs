@@ -14,9 +14,14 @@ pub fn draw(overlay: &Overlay<'_>, format: Format, picture: &[u8]) -> Vec<u8> {
     let light = covered(overlay, 0);
     let edge = covered(overlay, 1);
     let mut planes = Planes::decode(format, size, picture);
-    let shown = if format == Format::Yuyv { 1 } else { 3 };
+    let format_of_planes = format.unswapped();
+    let shown = if format_of_planes == Format::Yuyv {
+        1
+    } else {
+        3
+    };
     for (i, (_, plane)) in planes.planes.iter_mut().enumerate().take(shown) {
-        let depth = match (format, i) {
+        let depth = match (format_of_planes, i) {
             (Format::Rgb565, 1) => 6,
             (Format::Rgb565, _) => 5,
             _ => 8,

@@ -15,10 +15,10 @@ impl Planes {
     /// Takes `bytes` apart, tightly packed rows of `size_px`.
     ///
     /// # Panics
-    /// If there are fewer bytes than that, or YUYV has an odd width.
+    /// If there are fewer bytes than that, or YUYV or UYVY has an odd width.
     pub fn decode(format: Format, size_px: [usize; 2], bytes: &[u8]) -> Self {
         let [width, height] = size_px;
-        let bytes = &bytes[..width * height * format.bytes_per_pixel()];
+        let bytes = format.swapped(&bytes[..width * height * format.bytes_per_pixel()]);
         let every = |start: usize, step: usize| {
             bytes[start..]
                 .iter()
@@ -37,14 +37,14 @@ impl Planes {
         let planes = match format {
             Format::Gray8 => vec![(width, every(0, 1))],
             Format::Rgb8 => (0..3).map(|channel| (width, every(channel, 3))).collect(),
-            Format::Rgb565 => {
+            Format::Rgb565 | Format::Rgb565Be => {
                 vec![
                     (width, bits(11, 31)),
                     (width, bits(5, 63)),
                     (width, bits(0, 31)),
                 ]
             }
-            Format::Yuyv => {
+            Format::Yuyv | Format::Uyvy => {
                 assert!(width.is_multiple_of(2));
                 vec![
                     (width, every(0, 2)),
@@ -65,15 +65,17 @@ impl Planes {
             match format {
                 Format::Gray8 => bytes.push(at(0, i) as u8),
                 Format::Rgb8 => bytes.extend([0, 1, 2].map(|plane| at(plane, i) as u8)),
-                Format::Rgb565 => {
+                Format::Rgb565 | Format::Rgb565Be => {
                     let [r, g, b] = [0, 1, 2].map(|plane| at(plane, i) as u16);
                     bytes.extend((r << 11 | g << 5 | b).to_le_bytes());
                 }
                 // Even width: even i is an even pixel, and i / 2 its chroma pair.
-                Format::Yuyv => bytes.extend([at(0, i) as u8, at(1 + i % 2, i / 2) as u8]),
+                Format::Yuyv | Format::Uyvy => {
+                    bytes.extend([at(0, i) as u8, at(1 + i % 2, i / 2) as u8]);
+                }
             }
         }
-        bytes
+        format.swapped(&bytes).into_owned()
     }
 }
 

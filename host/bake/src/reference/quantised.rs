@@ -89,7 +89,7 @@ fn plane_index(x: usize, plane_width: usize, width: usize) -> Option<usize> {
 }
 
 fn background(format: Format, channel: usize) -> f64 {
-    if format == Format::Yuyv && channel > 0 {
+    if format.unswapped() == Format::Yuyv && channel > 0 {
         128.0
     } else {
         0.0

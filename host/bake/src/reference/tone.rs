@@ -9,8 +9,10 @@ use crate::Format;
 fn channels(format: Format) -> &'static [Channel] {
     match format {
         Format::Gray8 => &[Channel::Luma],
-        Format::Rgb8 | Format::Rgb565 => &[Channel::Red, Channel::Green, Channel::Blue],
-        Format::Yuyv => &[Channel::Luma, Channel::U, Channel::V],
+        Format::Rgb8 | Format::Rgb565 | Format::Rgb565Be => {
+            &[Channel::Red, Channel::Green, Channel::Blue]
+        }
+        Format::Yuyv | Format::Uyvy => &[Channel::Luma, Channel::U, Channel::V],
     }
 }
 
@@ -25,7 +27,7 @@ pub(super) fn toned(
     let Some(curve) = tables.curve(eye, channels(format)[plane]) else {
         return value;
     };
-    if format != Format::Rgb565 {
+    if format.unswapped() != Format::Rgb565 {
         return f64::from(curve[value as usize]);
     }
     // Binary fraction .vvvvv becomes .vvvvvvvv: the bits go on as they began.
@@ -37,13 +39,14 @@ pub(super) fn toned(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::with_format;
     use tectum_core::PixelFormat;
 
     #[test]
     fn planes_are_the_channels_of_the_core() {
-        assert_eq!(channels(Format::Gray8), tectum_core::Gray8::CHANNELS);
-        assert_eq!(channels(Format::Rgb8), tectum_core::Rgb8::CHANNELS);
-        assert_eq!(channels(Format::Rgb565), tectum_core::Rgb565::CHANNELS);
-        assert_eq!(channels(Format::Yuyv), tectum_core::Yuyv::CHANNELS);
+        for format in Format::ALL {
+            let core = with_format!(format, F => F::CHANNELS);
+            assert_eq!(channels(format), core, "{format:?}");
+        }
     }
 }

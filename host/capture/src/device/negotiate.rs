@@ -305,13 +305,16 @@ fn known_layouts() -> String {
 }
 
 /// What the driver says of its range. Where it says nothing, Video4Linux has a rule for luma with
-/// chroma; brightness alone comes straight from the sensor (and from the kernel's own vivid) in full
-/// range.
+/// chroma; brightness alone, or one colour for each pixel, comes straight from the sensor (and from the
+/// kernel's own vivid) in full range.
 fn is_full_range(format: &PictureFormat, layout: Layout) -> bool {
     match format.quantization {
         QUANTIZATION_FULL => true,
         QUANTIZATION_LIMITED => false,
-        _ => layout == Layout::Grey || format.colorspace == COLORSPACE_JPEG,
+        _ => {
+            matches!(layout, Layout::Grey | Layout::Bayer(_))
+                || format.colorspace == COLORSPACE_JPEG
+        }
     }
 }
 

@@ -24,7 +24,8 @@ pub struct CameraOptions {
     /// Frames of both eyes from elsewhere
     #[arg(long, value_enum, conflicts_with_all = ["left", "right"])]
     pub source: Option<SourceName>,
-    /// YUYV, GREY, RGB565, RGB3, NV12 or MJPG; without, the first of these that the camera offers
+    /// YUYV, UYVY, GREY, RGB565, RGB565BE, RGB3, NV12, MJPG, or of a sensor RGGB, BA81, GRBG, GBRG (8 bits),
+    /// RG10, BG10, BA10, GB10 (10 bits); without, the first of these that the camera offers
     #[arg(long, value_name = "FORMAT")]
     pub pixel_format: Option<Layout>,
     /// Size of an eye's frame, px; without, what the table needs, else what the camera has set

@@ -167,7 +167,7 @@ fn verify_counts_mismatches_and_errors() {
 fn stitch_is_the_same_both_ways() {
     let bench = Bench::with_pictures();
     let eyes = "--left left.png --right right.png";
-    for format in ["gray8", "rgb565", "yuyv", "rgb8"] {
+    for format in ["gray8", "rgb565", "rgb565be", "yuyv", "uyvy", "rgb8"] {
         for sampler in ["nearest", "bilinear"] {
             let how = format!("{eyes} --format {format} --sampler {sampler}");
             let json = bench.json(&format!("stitch fish.tct {how} -o a.png"));

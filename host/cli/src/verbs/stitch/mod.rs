@@ -82,10 +82,14 @@ pub struct Args {
 enum FormatName {
     /// 8-bit luma
     Gray8,
-    /// 5, 6, 5 bits of red, green, blue
+    /// 5, 6, 5 bits of red, green, blue, little-endian
     Rgb565,
-    /// Luma for each pixel, chroma for each pair
+    /// The same, big-endian
+    Rgb565be,
+    /// Luma for each pixel, chroma for each pair: Y U Y V
     Yuyv,
+    /// The same as U Y V Y
+    Uyvy,
     /// 8 bits of red, green, blue
     Rgb8,
 }
@@ -130,7 +134,9 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let format = match args.format {
         FormatName::Gray8 => Format::Gray8,
         FormatName::Rgb565 => Format::Rgb565,
+        FormatName::Rgb565be => Format::Rgb565Be,
         FormatName::Yuyv => Format::Yuyv,
+        FormatName::Uyvy => Format::Uyvy,
         FormatName::Rgb8 => Format::Rgb8,
     };
     let sampler = args.sampler.into();
