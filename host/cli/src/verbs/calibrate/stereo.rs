@@ -120,6 +120,9 @@ fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> String {
             .to_string_lossy(),
         Medium::from(args.medium),
     );
+    for remark in mount.remarks() {
+        let _ = writeln!(text, "# Note: {remark}.");
+    }
     let eyes = ["left", "right"].into_iter().zip(eyes);
     for ((side, file), pose) in eyes.zip(both.poses()) {
         let _ = write!(
@@ -191,6 +194,10 @@ fn report(
             pictures[pair.pair], pair.alone_rms_px
         );
     }
+    let remarks = mount.remarks();
+    for remark in &remarks {
+        let _ = writeln!(text, "note: {remark}");
+    }
     for (name, eye) in names.iter().zip(eyes) {
         let _ = writeln!(
             text,
@@ -241,6 +248,9 @@ fn report(
         "psi_deg": mount.psi_rad.to_degrees(),
         "tau_deg": mount.tau_rad.to_degrees(),
         "rest_deg": mount.rest_rad.to_degrees(),
+        "quarter_turns": mount.quarter_turns,
+        "swapped": mount.is_swapped,
+        "warnings": remarks,
         "baseline_mm": both.baseline_mm(),
         "rotation_vector_rad": <[f64; 3]>::from(both.rotation.scaled_axis()),
         "rotation_standard_error_deg": error_deg,
