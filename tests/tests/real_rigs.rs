@@ -24,30 +24,38 @@ fn baked(rig: &Rig, projection: Projection, size_px: [u16; 2]) -> Baked {
 
 #[test]
 fn every_rig_of_the_repository_bakes_into_a_small_table() {
+    bakes_small([640, 320], 40_000);
+}
+
+#[test]
+#[ignore = "campaign rigs: large pictures of every rig, a quarter of a minute"]
+fn every_rig_of_the_repository_bakes_into_a_small_table_for_large_pictures() {
+    bakes_small([2048, 1024], 48_000);
+}
+
+fn bakes_small(size_px: [u16; 2], limit_bytes: usize) {
     for path in rig_files() {
         let rig = Rig::load(&path).unwrap_or_else(|error| panic!("{error}"));
         // Limits in bytes: meshes of 3.9 KB (step 16 at 640x320, an eye of 480 px), 14.3 KB (step
         // 8, which finer eyes need) or 9.4 KB (step 32 at 2048x1024)
         // an eye, and runs of rows that all differ. Dense tables with 6 bytes a pixel and eye
         // would be 2.4 and 25 MB.
-        for (size_px, limit) in [([640, 320], 40_000), ([2048, 1024], 48_000)] {
-            let report = baked(&rig, Projection::Equirect, size_px).report;
-            println!(
-                "{} {size_px:?}: {} bytes, mesh step {:?}, {:.4} px max, {:.4} px RMS",
-                rig.name,
-                report.bytes.total,
-                report.step,
-                report.coordinate_error_px.max,
-                report.coordinate_error_px.rms
-            );
-            assert!(
-                report.bytes.total <= limit,
-                "{}: {:?}",
-                rig.name,
-                report.bytes
-            );
-            assert!(report.coordinate_error_px.max <= MAX_ERROR_PX);
-        }
+        let report = baked(&rig, Projection::Equirect, size_px).report;
+        println!(
+            "{} {size_px:?}: {} bytes, mesh step {:?}, {:.4} px max, {:.4} px RMS",
+            rig.name,
+            report.bytes.total,
+            report.step,
+            report.coordinate_error_px.max,
+            report.coordinate_error_px.rms
+        );
+        assert!(
+            report.bytes.total <= limit_bytes,
+            "{}: {:?}",
+            rig.name,
+            report.bytes
+        );
+        assert!(report.coordinate_error_px.max <= MAX_ERROR_PX);
     }
 }
 
@@ -108,7 +116,17 @@ const PIXEL_LIMIT_LSB: f64 = MAX_ERROR_PX * 255.0 * std::f64::consts::SQRT_2 + 0
 
 #[test]
 fn no_byte_is_off_on_real_pictures() {
-    for (name, files) in real_pairs() {
+    no_byte_is_off(2);
+}
+
+#[test]
+#[ignore = "campaign rigs: all real pairs, half a minute"]
+fn no_byte_is_off_on_all_real_pictures() {
+    no_byte_is_off(1);
+}
+
+fn no_byte_is_off(every: usize) {
+    for (name, files) in real_pairs().into_iter().step_by(every) {
         let rig = rig(name);
         let baked = baked(&rig, Projection::Equirect, [640, 320]);
         let tables = Tables::parse(&baked.bytes).expect("proven when baked");
@@ -221,13 +239,26 @@ fn published_opencv() -> Vec<OneEye> {
 }
 
 #[test]
+fn one_eye_of_every_fourth_published_calibration_equals_direct_projection() {
+    equals_direct_projection(4, [640, 320]);
+}
+
+#[test]
+#[ignore = "campaign rigs: all calibrations, half a minute"]
 fn one_eye_of_each_published_calibration_equals_direct_projection() {
+    equals_direct_projection(1, [960, 480]);
+}
+
+fn equals_direct_projection(every: usize, size_px: [u16; 2]) {
     let ahead = Pose::axis_rotation(0.3, -0.2, 0.1) * Pose::axis_rotation(0.0, 0.0, 0.0).inverse();
     for OneEye {
         name,
         rig,
         picture: file,
-    } in published_ocam().into_iter().chain(published_opencv())
+    } in published_ocam()
+        .into_iter()
+        .chain(published_opencv())
+        .step_by(every)
     {
         let rig = Rig::from_toml(&rig, &name).unwrap_or_else(|error| panic!("{error}"));
         let (rgb, _) = picture(&file);
@@ -238,7 +269,7 @@ fn one_eye_of_each_published_calibration_equals_direct_projection() {
                 width_rad: 1.6,
             },
         ] {
-            let bytes = baked(&rig, projection, [960, 480]).bytes;
+            let bytes = baked(&rig, projection, size_px).bytes;
             let tables = Tables::parse(&bytes).expect("proven when baked");
             let pair = Pair {
                 left: &rgb,

@@ -29,8 +29,21 @@ pub fn run() -> anyhow::Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// The tests, as one command.
+/// The tests with a fifth of the random cases, as one command.
 pub fn command() -> Command {
+    let mut tests = all();
+    tests.env("TECTUM_EMULATED", "1");
+    tests
+}
+
+/// The tests with all random cases and those of campaigns.
+pub fn campaign() -> Command {
+    let mut tests = all();
+    tests.args(["--", "--include-ignored"]);
+    tests
+}
+
+fn all() -> Command {
     let mut cargo = debian::cargo();
     cargo
         .args(["test", "--locked", "--lib", "--tests", "--target", TARGET])

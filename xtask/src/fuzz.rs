@@ -32,11 +32,7 @@ pub fn run(seconds: u32) -> anyhow::Result<Outcome> {
 
 /// Ten seconds of it, for the gate.
 pub fn job() -> anyhow::Result<Job> {
-    Ok(Job {
-        name: "fuzzing".to_owned(),
-        kind: Kind::Check,
-        command: command(SECONDS)?,
-    })
+    Ok(Job::new("fuzzing", Kind::Check, command(SECONDS)?))
 }
 
 /// What is found goes to a copy: the corpus in the repository stays as it is.

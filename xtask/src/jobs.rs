@@ -9,6 +9,7 @@ use std::time::Instant;
 use anyhow::Context;
 use xtask::{Outcome, SKIPPED, SKIPPED_EXIT_CODE, target_dir};
 
+use crate::cargo;
 use crate::tally::Tally;
 
 /// How a job's outcome is read.
@@ -29,6 +30,20 @@ pub struct Job {
     pub kind: Kind,
     /// What is run.
     pub command: Command,
+    /// Whether it runs at full priority; the others wait for it where processors are few.
+    pub is_urgent: bool,
+}
+
+impl Job {
+    /// A job that is not urgent.
+    pub fn new(name: &str, kind: Kind, command: Command) -> Self {
+        Self {
+            name: name.to_owned(),
+            kind,
+            command,
+            is_urgent: false,
+        }
+    }
 }
 
 /// How a job ended.
@@ -42,23 +57,30 @@ pub struct Done {
     pub tally: Tally,
 }
 
-/// Runs `jobs` in their order, as many at a time as there are processors. Says when each ends and
-/// prints the output of those that fail; all output is kept in the target folder's `xtask`.
+/// Runs `jobs` in their order, as many at a time as there are processors, and urgent ones beside them
+/// from the start. Says when each ends and prints the output of those that fail; all output is kept in
+/// the target folder's `xtask`.
 pub fn run(jobs: Vec<Job>) -> anyhow::Result<Vec<Done>> {
     let workers = std::thread::available_parallelism().map_or(2, usize::from);
     fs::create_dir_all(target_dir("xtask")).context("a folder for logs")?;
-    let count = jobs.len();
-    let queue = Mutex::new(VecDeque::from(jobs));
+    let (urgent, others): (Vec<_>, Vec<_>) = jobs.into_iter().partition(|job| job.is_urgent);
+    let queue = Mutex::new(VecDeque::from(others));
     let done = Mutex::new(Vec::new());
     let next = || queue.lock().ok()?.pop_front();
+    let end = |job| {
+        let ended = run_one(job);
+        if let Ok(mut done) = done.lock() {
+            done.push(ended);
+        }
+    };
     std::thread::scope(|scope| {
-        for _ in 0..workers.min(count) {
+        for job in urgent {
+            scope.spawn(|| end(job));
+        }
+        for _ in 0..workers {
             scope.spawn(|| {
                 while let Some(job) = next() {
-                    let ended = run_one(job);
-                    if let Ok(mut done) = done.lock() {
-                        done.push(ended);
-                    }
+                    end(job);
                 }
             });
         }
@@ -72,8 +94,13 @@ fn run_one(mut job: Job) -> Done {
     let outcome = (|| {
         let file = File::create(&log)?;
         job.command.stdout(file.try_clone()?).stderr(file);
-        let status = job.command.status()?;
-        anyhow::Ok(status)
+        let mut child = job.command.spawn()?;
+        if !job.is_urgent {
+            // Without `renice` all are alike.
+            let id = child.id().to_string();
+            let _ = cargo::succeeds(Command::new("renice").args(["-n", "10", "-p", &id]));
+        }
+        anyhow::Ok(child.wait()?)
     })();
     let bytes = fs::read(&log).unwrap_or_default();
     let printed = String::from_utf8_lossy(&bytes);
@@ -119,11 +146,7 @@ mod tests {
     fn job(name: &str, kind: Kind, script: &str) -> Job {
         let mut command = Command::new("sh");
         command.args(["-c", script]);
-        Job {
-            name: format!("unit/{name}"),
-            kind,
-            command,
-        }
+        Job::new(&format!("unit/{name}"), kind, command)
     }
 
     #[test]

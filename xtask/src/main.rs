@@ -6,6 +6,7 @@ mod cargo;
 mod fuzz;
 mod jobs;
 mod programs;
+mod record;
 mod steps;
 mod tally;
 
@@ -18,12 +19,14 @@ use xtask::Outcome;
 const HELP: &str = "\
 One named command for each chore and CI step.
 
-cargo xtask test [--install] [--only STEP] [--list]
+cargo xtask test [--install] [--only STEP] [--all] [--list]
     Everything that must pass. --list names the steps and what each proves; --only runs one of them
-    (`--only tests/chessboard`: one test program). Missing Debian packages are installed with
-    --install or where CI=true; otherwise the steps that need them are skipped and say so.
+    (`--only host/calibrate/chessboard`: one test program). Missing Debian packages are installed with
+    --install or where CI=true; otherwise the steps that need them are skipped and say so. Boards and
+    aarch64, whose campaigns have passed on the very same sources, are run with --all alone.
 cargo xtask campaign NAME | --list
-    What takes too long for `test`: --list says what each proves and how long it takes.
+    What takes too long for `test`: --list says what each proves, how long it takes and whether its
+    part has changed since it passed.
 cargo xtask tables [--bless]       bakes the shipped tables again and compares them byte for byte
 cargo xtask figures [--bless]      compares the README's measured figures, or writes them
 cargo xtask firmware test|report   the core on emulated Cortex-M boards (--help says more)
@@ -66,6 +69,7 @@ fn run() -> anyhow::Result<Outcome> {
             let options = steps::Options {
                 install: args.contains("--install"),
                 list: args.contains("--list"),
+                all: args.contains("--all"),
                 only: args.opt_value_from_str("--only")?,
             };
             end(args)?;

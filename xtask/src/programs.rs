@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, bail};
 use serde_json::Value;
@@ -21,8 +21,19 @@ pub struct Program {
     pub folder: PathBuf,
 }
 
-/// Builds the programs that tests and checks start, libraries and tests of the workspace; the test programs in the order of their
-/// names.
+impl Program {
+    /// Starts it as cargo does.
+    pub fn command(&self) -> Command {
+        let mut command = Command::new(&self.path);
+        command
+            .current_dir(&self.folder)
+            .env("CARGO_MANIFEST_DIR", &self.folder);
+        command
+    }
+}
+
+/// Builds the programs that tests and checks start, libraries and tests of the workspace; the test
+/// programs in the order of their names.
 pub fn build() -> anyhow::Result<Vec<Program>> {
     let mut command = cargo(&[
         "build",

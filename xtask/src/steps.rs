@@ -12,7 +12,7 @@ use xtask::{Outcome, packages, repository};
 use crate::cargo::{self, cargo, everything};
 use crate::jobs::{self, Job, Kind};
 use crate::tally::Tally;
-use crate::{aarch64, fuzz, programs};
+use crate::{aarch64, campaign, fuzz, programs};
 
 /// Options of `cargo xtask test`.
 #[derive(Debug, Default)]
@@ -21,6 +21,8 @@ pub struct Options {
     pub install: bool,
     /// Say what there is, and run nothing.
     pub list: bool,
+    /// Run on boards and aarch64 even where nothing of theirs has changed.
+    pub all: bool,
     /// Run one step alone: its name, or that of a job of the last steps.
     pub only: Option<String>,
 }
@@ -57,11 +59,11 @@ const STEPS: [(&str, &str); 13] = [
     ("figures", "README's figures are those measured"),
     (
         "firmware",
-        "the core on emulated M4, M7, M55: bytes, counts, stack, size, no panic path",
+        "the core on an emulated M4 (M7, M55 when changed): bytes, counts, stack, size, no panic path",
     ),
     (
         "aarch64",
-        "tables, core and bake are the same to the byte on an emulated SoC",
+        "when changed: tables, core and bake are the same to the byte on an emulated SoC",
     ),
     (
         "cameras",
@@ -72,15 +74,15 @@ const STEPS: [(&str, &str); 13] = [
 const FUZZING: (&str, &str) = ("fuzzing", "ten seconds of fuzzing the table parser");
 
 /// Names of jobs that take longest, so that they begin first.
-const LONGEST: [&str; 8] = [
+const LONGEST: [&str; 7] = [
     "firmware",
     "aarch64",
-    "host/calibrate/chessboard",
-    "tests/calibration_truth",
+    "documentation",
     "host/cli/cli",
-    "tests/calibration",
     "host/stitch/lib",
     "host/calibrate/lib",
+    // After `documentation`, for each locks the target folder.
+    "doctests",
 ];
 
 /// Runs the steps, collects failures, and fails once at the end.
@@ -118,13 +120,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             report.step(name, step);
         }
     }
-    let jobs = report.jobs(options.only.as_deref())?;
+    let jobs = report.jobs(options)?;
     if !jobs.is_empty() {
         report.beside_each_other(jobs)?;
-    }
-    if wanted("cameras") {
-        // Alone: frames come in real time there.
-        report.beside_each_other(vec![check("cameras")])?;
     }
     report.end()
 }
@@ -162,7 +160,8 @@ impl Report {
     }
 
     /// Builds what jobs need; the jobs, or the one that is wanted.
-    fn jobs(&mut self, only: Option<&str>) -> anyhow::Result<Vec<Job>> {
+    fn jobs(&mut self, options: &Options) -> anyhow::Result<Vec<Job>> {
+        let only = options.only.as_deref();
         let before = ["packages", "format", "minimum Rust version", "lint"];
         if only.is_some_and(|only| before.contains(&only)) {
             return Ok(Vec::new());
@@ -179,13 +178,19 @@ impl Report {
         let mut jobs: Vec<Job> = built.into_iter().map(test_program).collect();
         jobs.push(doctests());
         jobs.push(documentation());
-        jobs.extend(["tables", "figures", "firmware"].map(check));
-        if packages::are_there(AARCH64) {
-            jobs.push(Job {
-                name: "aarch64".to_owned(),
-                kind: Kind::Tests,
-                command: aarch64::command(),
-            });
+        jobs.extend(["tables", "figures"].map(|name| check(name, &[])));
+        // Who asks for one of them gets it whole.
+        let is_asked = |name: &str| options.all || only == Some(name);
+        if !is_asked("firmware") && campaign::boards_are_current() {
+            self.unchanged("M7 and M55", "boards");
+            jobs.push(check("firmware", &["test", "--board", "m4"]));
+        } else {
+            jobs.push(check("firmware", &["test"]));
+        }
+        if !is_asked("aarch64") && campaign::aarch64_is_current() {
+            self.unchanged("aarch64", "aarch64");
+        } else if packages::are_there(AARCH64) {
+            jobs.push(Job::new("aarch64", Kind::Tests, aarch64::command()));
         } else {
             self.skip("aarch64", packages::advice(AARCH64));
         }
@@ -194,6 +199,10 @@ impl Report {
         } else {
             self.skip("fuzzing", fuzz::ADVICE.to_owned());
         }
+        // Frames come in real time there: it goes before all others.
+        let mut cameras = check("cameras", &[]);
+        cameras.is_urgent = true;
+        jobs.push(cameras);
         let all = "tests".to_owned();
         jobs.retain(|job| match only {
             None => true,
@@ -201,7 +210,6 @@ impl Report {
         });
         if let Some(only) = only
             && jobs.is_empty()
-            && only != "cameras"
             && only != "build"
         {
             bail!("no step or test program `{only}`: `cargo xtask test --list` names the steps");
@@ -214,6 +222,13 @@ impl Report {
     fn skip(&mut self, name: &str, why: String) {
         let outcome = Ok(Outcome::Skipped(why));
         self.count(name, Tally::whole(name, &outcome));
+    }
+
+    /// Says that a campaign has passed on the same sources.
+    fn unchanged(&mut self, what: &str, campaign: &str) {
+        let line = format!("{what}: unchanged since campaign `{campaign}` passed (--all runs it)");
+        println!("{line}");
+        self.lines.push(format!("    0 s  {line}"));
     }
 
     fn beside_each_other(&mut self, jobs: Vec<Job>) -> anyhow::Result<()> {
@@ -247,6 +262,13 @@ impl Report {
                 self.total.ignored
             );
         }
+        let due = campaign::due();
+        if !due.is_empty() {
+            println!(
+                "campaigns whose part has changed since they passed: {}",
+                due.join(", ")
+            );
+        }
         println!("{}", self.total);
         if !self.failed.is_empty() {
             bail!("failed: {}", self.failed.join(", "));
@@ -256,26 +278,13 @@ impl Report {
 }
 
 fn test_program(program: programs::Program) -> Job {
-    let mut command = Command::new(&program.path);
-    // As cargo starts it.
-    command
-        .current_dir(&program.folder)
-        .env("CARGO_MANIFEST_DIR", &program.folder);
-    Job {
-        name: program.name,
-        kind: Kind::Tests,
-        command,
-    }
+    Job::new(&program.name, Kind::Tests, program.command())
 }
 
 fn doctests() -> Job {
     let mut command = cargo(&["test", "--doc"]);
     command.args(everything());
-    Job {
-        name: "doctests".to_owned(),
-        kind: Kind::Tests,
-        command,
-    }
+    Job::new("doctests", Kind::Tests, command)
 }
 
 fn documentation() -> Job {
@@ -283,25 +292,14 @@ fn documentation() -> Job {
     command
         .args(everything())
         .env("RUSTDOCFLAGS", "-D warnings");
-    Job {
-        name: "documentation".to_owned(),
-        kind: Kind::Check,
-        command,
-    }
+    Job::new("documentation", Kind::Check, command)
 }
 
 /// A check of the program with the host crates.
-fn check(name: &str) -> Job {
+fn check(name: &str, arguments: &[&str]) -> Job {
     let mut command = Command::new(cargo::checks());
-    command.arg(name).current_dir(repository());
-    if name == "firmware" {
-        command.arg("test");
-    }
-    Job {
-        name: name.to_owned(),
-        kind: Kind::Check,
-        command,
-    }
+    command.arg(name).args(arguments).current_dir(repository());
+    Job::new(name, Kind::Check, command)
 }
 
 fn format() -> anyhow::Result<Outcome> {

@@ -109,11 +109,18 @@ pub struct Owners {
     pub blend: usize,
 }
 
+/// Least error that may be asked for: half a step of a mesh's finest positions.
+const MIN_ERROR_PX: f64 = 0.004;
+/// Greatest error that may be asked for.
+const MAX_ERROR_PX: f64 = 10.0;
+
 /// Why there is no table.
 #[derive(Debug, thiserror::Error)]
 pub enum BakeError {
     /// The option itself makes no sense.
-    #[error("--max-error {0} px is not allowed: it must be between 0.004 and 10")]
+    #[error(
+        "--max-error {0} px is not allowed: it must be between {MIN_ERROR_PX} and {MAX_ERROR_PX}"
+    )]
     MaxError(f64),
     /// The feather makes no sense.
     #[error("--feather of {0} degrees is not allowed: it must be between 0 and 90")]
@@ -123,8 +130,14 @@ pub enum BakeError {
     Output(u16, u16),
     /// No mesh is good enough.
     #[error(
-        "{eye} eye: no mesh meets {wanted_px} px: {reached}. Allow more with --max-error, or ask \
-         for a larger output (finer pixels bend less from vertex to vertex)"
+        "{eye} eye: no mesh meets {wanted_px} px: {reached}. {}",
+        if *more_error_helps {
+            "Allow more with --max-error, or ask for a larger output (finer pixels bend less from \
+             vertex to vertex)"
+        } else {
+            "Ask for a larger output: its vertices lie closer together in the eye's picture. No \
+             --max-error helps"
+        }
     )]
     Accuracy {
         /// Which eye.
@@ -133,6 +146,8 @@ pub enum BakeError {
         wanted_px: f64,
         /// What each step reached.
         reached: String,
+        /// Whether some step reached an error that may be asked for.
+        more_error_helps: bool,
     },
     /// No output pixel shows either eye.
     #[error("no output pixel is seen by an eye: check the projection's axis and the field")]
@@ -210,7 +225,7 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
 }
 
 fn check(options: &BakeOptions) -> Result<(), BakeError> {
-    if !(0.004..=10.0).contains(&options.max_error_px) {
+    if !(MIN_ERROR_PX..=MAX_ERROR_PX).contains(&options.max_error_px) {
         return Err(BakeError::MaxError(options.max_error_px));
     }
     if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&options.feather_rad) {
@@ -223,7 +238,7 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// The left eye's weight at every output pixel: the seam map's, or geometry's if there is none.
+/// The left eye's weight at every output pixel: the seam map's, or geometry's without one.
 pub(crate) fn weights(rig: &Rig, options: &BakeOptions, sights: &Sights) -> Weights {
     let output = &options.output;
     match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
@@ -267,10 +282,12 @@ fn coarsest(
     wanted_px: f64,
 ) -> Result<Option<FittedMesh>, BakeError> {
     let mut reached = Vec::new();
+    let mut more_error_helps = false;
     for step_log2 in STEPS_LOG2 {
         let step = 1 << step_log2;
         match fit(targets, source_size_px, step_log2, wanted_px) {
             Ok(Some(mesh)) if mesh.max_error_px > wanted_px => {
+                more_error_helps |= mesh.max_error_px <= MAX_ERROR_PX;
                 reached.push(format!("step {step} gives {:.3} px", mesh.max_error_px));
             }
             Ok(mesh) => return Ok(mesh),
@@ -281,6 +298,7 @@ fn coarsest(
         eye,
         wanted_px,
         reached: reached.join(", "),
+        more_error_helps,
     })
 }
 

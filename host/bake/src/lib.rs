@@ -6,6 +6,7 @@
 
 mod bake;
 pub mod convert;
+mod fitted_range;
 mod format;
 pub mod mesh;
 mod mesh_cost;
@@ -22,11 +23,12 @@ mod tone;
 mod verify;
 
 pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
+pub use fitted_range::{FitRangeError, fitted_range};
 pub use format::{Format, Pair, Pass, draw_overlay, stitch, stitch_parallel};
 pub use mesh_cost::mesh_bytes;
 pub use output_map::output_map;
 pub use parallel::stitch_bands;
-pub use scales::{Scales, ScalesError, ScalesReport};
+pub use scales::{Scales, ScalesError, ScalesReport, scales_svg};
 pub use sights::{Sight, Sights};
 pub use tone::ToneError;
 pub use verify::{FormatResult, PixelError, Verification, VerifyError, verify};

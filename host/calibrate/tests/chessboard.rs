@@ -311,7 +311,7 @@ fn pictures_without_a_board_have_none() {
         let files = listed.flatten().map(|entry| entry.path());
         for file in files
             .filter(|file| image::ImageFormat::from_path(file).is_ok())
-            .take(4)
+            .take(12)
         {
             let Ok(picture) = image::open(&file) else {
                 continue;

@@ -187,18 +187,19 @@ fn a_mirrored_photograph_is_told() {
 
 #[test]
 fn chessboards_hold_no_marker() {
-    no_marker(&["ocam-vmr"]);
+    no_marker(&["ocam-vmr"], 3);
 }
 
 #[test]
 #[ignore = "campaign detection: 50 pictures in three dictionaries, a minute"]
 fn chessboards_and_rooms_hold_no_marker() {
-    no_marker(&["ocam-fisheye1", "ocam-vmr", "ocam-ladybug", "gopro-derlunz"]);
+    let sets = ["ocam-fisheye1", "ocam-vmr", "ocam-ladybug", "gopro-derlunz"];
+    no_marker(&sets, 1);
 }
 
-fn no_marker(sets: &[&str]) {
+fn no_marker(sets: &[&str], every: usize) {
     for folder in sets.iter().filter_map(|name| set(name)) {
-        for file in pictures(&folder) {
+        for file in pictures(&folder).into_iter().step_by(every) {
             let picture = open(&file);
             for name in ["DICT_4X4_50", "DICT_5X5_100", "DICT_6X6_250"] {
                 let found = detect(&picture, &standard(name), &MarkerOptions::default());

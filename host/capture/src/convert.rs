@@ -1,13 +1,11 @@
 //! Frames of every layout to what the core takes, and to RGB.
 
 use std::borrow::Cow;
-use std::io::Cursor;
 
-use image::{ImageFormat, ImageReader};
 use tectum_bake::Format;
 use tectum_bake::convert::to_rgb8 as core_to_rgb8;
 
-use crate::{Frame, FrameFormat, Layout};
+use crate::{Frame, FrameFormat, Layout, jpeg};
 
 /// A frame whose bytes are no picture of its size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -53,7 +51,7 @@ pub fn to_core<'a>(
             Ok((scratch, width * 2))
         }
         Layout::Mjpeg => {
-            *scratch = decode_jpeg(frame)?;
+            *scratch = jpeg::to_rgb8(frame.data, frame.format.size_px)?;
             Ok((scratch, width * 3))
         }
     }
@@ -80,35 +78,34 @@ pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
                 .collect(),
         )
     };
-    if format == Format::Yuyv && !frame.format.full_range {
-        return Ok(core_to_rgb8(format, &expanded(&packed)));
-    }
-    Ok(core_to_rgb8(format, &packed))
+    Ok(match format {
+        Format::Yuyv if !frame.format.full_range => core_to_rgb8(format, &expanded(&packed)),
+        Format::Gray8 if !frame.format.full_range => {
+            let wide: Vec<u8> = packed.iter().map(|value| wider_luma(*value)).collect();
+            core_to_rgb8(format, &wide)
+        }
+        _ => core_to_rgb8(format, &packed),
+    })
+}
+
+/// `value` of `range` steps around `zero` as of 255 around `middle`, rounded.
+fn wider(value: u8, zero: i32, middle: i32, range: i32) -> u8 {
+    let above = i32::from(value) - zero;
+    let rounding = range / 2 * above.signum();
+    ((above * 255 + rounding) / range + middle).clamp(0, 255) as u8
+}
+
+fn wider_luma(value: u8) -> u8 {
+    wider(value, 16, 0, 219)
 }
 
 /// YUYV of limited range (ITU-R BT.601) in full range.
 fn expanded(yuyv: &[u8]) -> Vec<u8> {
-    let wider = |value: u8, zero: i32, middle: i32, range: i32| {
-        let above = i32::from(value) - zero;
-        let rounding = range / 2 * above.signum();
-        ((above * 255 + rounding) / range + middle).clamp(0, 255) as u8
-    };
-    let luma = |value| wider(value, 16, 0, 219);
     let chroma = |value| wider(value, 128, 128, 224);
     let pixels = yuyv.as_chunks::<4>().0.iter();
-    let wide = pixels.flat_map(|&[y0, u, y1, v]| [luma(y0), chroma(u), luma(y1), chroma(v)]);
+    let wide =
+        pixels.flat_map(|&[y0, u, y1, v]| [wider_luma(y0), chroma(u), wider_luma(y1), chroma(v)]);
     wide.collect()
-}
-
-fn decode_jpeg(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
-    let picture = ImageReader::with_format(Cursor::new(frame.data), ImageFormat::Jpeg)
-        .decode()
-        .map_err(|_| NotDecodable)?;
-    let size = [picture.width(), picture.height()];
-    if size != frame.format.size_px.map(u32::from) {
-        return Err(NotDecodable);
-    }
-    Ok(picture.into_rgb8().into_raw())
 }
 
 #[cfg(test)]
@@ -150,6 +147,16 @@ mod tests {
         assert_eq!(rgb[..6], [0, 0, 0, 255, 255, 255]);
         assert_eq!(rgb[6..12], [128, 128, 128, 0, 0, 0]);
         assert_eq!(rgb[12..], [255; 6]);
+    }
+
+    #[test]
+    fn grey_of_limited_range_becomes_black_and_white() {
+        let format = FrameFormat {
+            full_range: false,
+            ..FrameFormat::packed(Layout::Grey, [2, 1])
+        };
+        let rgb = to_rgb8(&frame(&[16, 235], format)).unwrap();
+        assert_eq!(rgb, [0, 0, 0, 255, 255, 255]);
     }
 
     #[test]

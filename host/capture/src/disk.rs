@@ -5,14 +5,13 @@ use std::path::Path;
 use crate::CaptureError;
 
 /// Recordings stop when less is free: a full disk stops more than a recording.
-pub const LEAST_FREE_BYTES: u64 = 200 << 20;
+pub const MIN_FREE_BYTES: u64 = 200 << 20;
 
-/// Refuses when the disk that holds `path` (a file yet to be made, or a folder) has less than
-/// `needed_bytes` free.
+/// Free bytes of the disk that holds `path` (a file yet to be made, or a folder), for this user.
 ///
 /// # Errors
-/// [`CaptureError::DiskFull`]; [`CaptureError::Io`] if the disk cannot be asked.
-pub fn check_free(path: &Path, needed_bytes: u64) -> Result<(), CaptureError> {
+/// [`CaptureError::Io`] if the disk cannot be asked.
+pub fn free_bytes(path: &Path) -> Result<u64, CaptureError> {
     let place = path
         .ancestors()
         .map(|place| {
@@ -25,7 +24,15 @@ pub fn check_free(path: &Path, needed_bytes: u64) -> Result<(), CaptureError> {
         .find(|place| place.exists())
         .unwrap_or(Path::new("."));
     let disk = rustix::fs::statvfs(place).map_err(|error| CaptureError::io(path, error.into()))?;
-    let free = disk.f_bavail.saturating_mul(disk.f_frsize);
+    Ok(disk.f_bavail.saturating_mul(disk.f_frsize))
+}
+
+/// Refuses when the disk that holds `path` has less than `needed_bytes` free.
+///
+/// # Errors
+/// [`CaptureError::DiskFull`]; [`CaptureError::Io`] if the disk cannot be asked.
+pub fn check_free(path: &Path, needed_bytes: u64) -> Result<(), CaptureError> {
+    let free = free_bytes(path)?;
     if free < needed_bytes {
         return Err(CaptureError::DiskFull {
             path: path.to_owned(),

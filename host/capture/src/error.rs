@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::FrameFormat;
+use crate::{FrameFormat, Health};
 
 /// Why frames cannot be had or kept.
 #[derive(Debug, thiserror::Error)]
@@ -116,25 +116,56 @@ pub enum CaptureError {
         /// Kept free, MB.
         needed_mb: u64,
     },
-    /// The cameras' clocks have nothing to do with each other, or one runs at another rate.
+    /// The clocks of both eyes have nothing to do with each other, or one runs at another rate.
     #[error(
-        "no two frames within {tolerance_ms:.1} ms of each other in {seconds:.0} s: the nearest were \
-         {nearest_ms:.1} ms apart. Give both cameras the same --rate, or raise --tolerance-ms"
+        "no two frames were taken within {tolerance_ms:.1} ms of each other: the nearest were \
+         {nearest_ms:.1} ms apart. {}",
+        together_advice(*tolerance_ms, *nearest_ms)
     )]
     NeverTogether {
         /// Tolerance, ms.
         tolerance_ms: f64,
-        /// How long it was tried, s.
-        seconds: f64,
         /// Smallest distance seen, ms.
         nearest_ms: f64,
     },
+    /// Both eyes were asked and nothing usable came.
+    #[error("no frame came: {0}")]
+    NoFrames(String),
     /// Frames do not fit the table.
     #[error("{0}")]
     Stitch(#[from] tectum_bake::StitchFailure),
 }
 
+/// What helps against frames that never meet.
+fn together_advice(tolerance_ms: f64, nearest_ms: f64) -> &'static str {
+    if nearest_ms < 4.0 * tolerance_ms {
+        "Give both cameras the same --rate; --tolerance-ms has no effect beyond half of the time \
+         between two frames"
+    } else {
+        "Their clocks have nothing in common: were both recorded together, by one computer?"
+    }
+}
+
 impl CaptureError {
+    /// Nothing came of sources, each with its name and what happened to it.
+    pub fn no_frames<'a>(sources: impl IntoIterator<Item = (&'a str, &'a Health)>) -> Self {
+        let lines: Vec<String> = sources
+            .into_iter()
+            .map(|(name, health)| {
+                let counts = health.counts();
+                let trouble = match health.trouble() {
+                    Some(why) => format!(" ({why})"),
+                    None => String::new(),
+                };
+                format!(
+                    "{name} gave {} sound and {} damaged frames{trouble}",
+                    counts.frames, counts.corrupt
+                )
+            })
+            .collect();
+        Self::NoFrames(lines.join("; "))
+    }
+
     /// A file that the system refuses.
     pub(crate) fn io(path: &std::path::Path, source: io::Error) -> Self {
         match source.kind() {
@@ -143,7 +174,7 @@ impl CaptureError {
             io::ErrorKind::StorageFull => Self::DiskFull {
                 path: path.to_owned(),
                 free_mb: 0,
-                needed_mb: crate::LEAST_FREE_BYTES >> 20,
+                needed_mb: crate::MIN_FREE_BYTES >> 20,
             },
             _ => Self::Io {
                 path: path.to_owned(),

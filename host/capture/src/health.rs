@@ -1,5 +1,6 @@
 //! What became of a source's frames, to be read by other threads.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Counters of a source.
@@ -9,7 +10,10 @@ pub struct Health {
     dropped: AtomicU64,
     corrupt: AtomicU64,
     reconnects: AtomicU64,
+    misstamped: AtomicU64,
+    clock_jumps: AtomicU64,
     connected: AtomicBool,
+    trouble: Mutex<Option<String>>,
 }
 
 /// The counters at one moment.
@@ -23,6 +27,10 @@ pub struct Counts {
     pub corrupt: u64,
     /// Times that the source went away and came back.
     pub reconnects: u64,
+    /// Frames whose time can not be true, as those before and after show; they have no partner.
+    pub misstamped: u64,
+    /// Times that the source's clock jumped; frames after are timed from those before.
+    pub clock_jumps: u64,
     /// Whether it is there now.
     pub connected: bool,
 }
@@ -34,7 +42,10 @@ impl Default for Health {
             dropped: AtomicU64::new(0),
             corrupt: AtomicU64::new(0),
             reconnects: AtomicU64::new(0),
+            misstamped: AtomicU64::new(0),
+            clock_jumps: AtomicU64::new(0),
             connected: AtomicBool::new(true),
+            trouble: Mutex::new(None),
         }
     }
 }
@@ -48,6 +59,8 @@ impl Health {
             dropped: read(&self.dropped),
             corrupt: read(&self.corrupt),
             reconnects: read(&self.reconnects),
+            misstamped: read(&self.misstamped),
+            clock_jumps: read(&self.clock_jumps),
             connected: self.connected.load(Ordering::Relaxed),
         }
     }
@@ -68,11 +81,36 @@ impl Health {
         self.corrupt.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// A frame's time can not be true.
+    pub fn misstamped(&self) {
+        self.misstamped.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The source's clock jumped.
+    pub fn clock_jump(&self) {
+        self.clock_jumps.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Why the source is away, in words; `None` while it is there.
+    pub fn trouble(&self) -> Option<String> {
+        self.trouble.lock().ok()?.clone()
+    }
+
+    /// Says why the source is away.
+    pub fn set_trouble(&self, why: String) {
+        if let Ok(mut trouble) = self.trouble.lock() {
+            *trouble = Some(why);
+        }
+    }
+
     /// The source is there, or is not.
     pub fn set_connected(&self, connected: bool) {
         let before = self.connected.swap(connected, Ordering::Relaxed);
         if connected && !before {
             self.reconnects.fetch_add(1, Ordering::Relaxed);
+            if let Ok(mut trouble) = self.trouble.lock() {
+                *trouble = None;
+            }
         }
     }
 }

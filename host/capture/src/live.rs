@@ -1,10 +1,17 @@
 //! Stitching of frames as they come.
 
 use tectum_bake::{Format, StitchFailure, stitch_bands};
-use tectum_core::{Frame as CoreFrame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Tables, Yuyv};
+use tectum_core::{
+    Eye, Frame as CoreFrame, Gray8, PixelFormat, Rgb8, Rgb565, Sampler, Tables, Yuyv,
+};
+
+use tectum_tables::RunKind;
 
 use crate::convert::to_core;
-use crate::{CaptureError, Layout, Pair};
+use crate::{CaptureError, Frame, FrameFormat, Layout, Pair, Shot};
+
+/// Luma of black in the limited range of video (ITU-R BT.601).
+const LIMITED_BLACK: u8 = 16;
 
 /// Stitches pairs with one table, on all threads, straight from the frames' own memory where the
 /// core takes their layout.
@@ -13,6 +20,8 @@ pub struct LiveStitcher<'t> {
     tables: &'t Tables<'t>,
     sampler: Sampler,
     scratch: [Vec<u8>; 2],
+    /// Pixels of an eye that is not there.
+    black: Vec<u8>,
     out: Vec<u8>,
 }
 
@@ -23,6 +32,7 @@ impl<'t> LiveStitcher<'t> {
             tables,
             sampler,
             scratch: Default::default(),
+            black: Vec::new(),
             out: Vec::new(),
         }
     }
@@ -45,12 +55,87 @@ impl<'t> LiveStitcher<'t> {
         }
     }
 
+    /// Format of the stitched picture of frames in `frames`: in their range, where luma and chroma
+    /// stay as they are.
+    pub fn output_format(&self, frames: FrameFormat) -> FrameFormat {
+        let layout = Self::output_layout(frames.layout);
+        let keeps_range = matches!(layout, Layout::Grey | Layout::Yuyv);
+        FrameFormat {
+            full_range: frames.full_range || !keeps_range,
+            ..FrameFormat::packed(layout, self.output_size_px())
+        }
+    }
+
+    /// Where no eye sees anything, black as limited range has it.
+    fn limit_void(&mut self, bytes_per_pixel: usize) {
+        let row_bytes = usize::from(self.tables.output_width_px()) * bytes_per_pixel;
+        let rows = (0..self.tables.output_height_px()).zip(self.out.chunks_exact_mut(row_bytes));
+        for (y, row) in rows {
+            for run in self.tables.runs(y) {
+                if !matches!(run.kind, RunKind::Void) {
+                    continue;
+                }
+                let [start, len] = [run.start, run.len].map(|px| px as usize * bytes_per_pixel);
+                for luma in row[start..start + len].iter_mut().step_by(bytes_per_pixel) {
+                    *luma = LIMITED_BLACK;
+                }
+            }
+        }
+    }
+
     /// Stitches a pair; the picture, rows tightly packed, stays until the next call. `None` if a
     /// frame cannot be decoded.
     ///
     /// # Errors
     /// [`CaptureError::Stitch`] if the frames' size is not the table's.
     pub fn stitch(&mut self, pair: &Pair<'_>) -> Result<Option<&mut [u8]>, CaptureError> {
+        let is_done = self.stitch_pair(pair)?;
+        Ok(is_done.then_some(&mut self.out))
+    }
+
+    /// Stitches what there is, left and right: where an eye gives no frame, the picture is black.
+    /// Otherwise as [`LiveStitcher::stitch`]; `None` without any frame, too.
+    ///
+    /// # Errors
+    /// [`CaptureError::Stitch`] if the frames' size is not the table's.
+    pub fn stitch_available(&mut self, eyes: Shot<'_>) -> Result<Option<&mut [u8]>, CaptureError> {
+        let Some(there) = eyes[0].or(eyes[1]) else {
+            return Ok(None);
+        };
+        let mut black = std::mem::take(&mut self.black);
+        let layout = Self::output_layout(there.format.layout);
+        let missing = if eyes[0].is_none() {
+            Eye::Left
+        } else {
+            Eye::Right
+        };
+        // A table that does not show an eye reads nothing of its frame.
+        let size_px = self.tables.source_size_px(missing).unwrap_or([2, 2]);
+        let full_range = self.output_format(there.format).full_range;
+        let format = FrameFormat {
+            full_range,
+            ..FrameFormat::packed(layout, size_px)
+        };
+        black.clear();
+        black.resize(
+            format.frame_bytes(),
+            if full_range { 0 } else { LIMITED_BLACK },
+        );
+        if layout == Layout::Yuyv {
+            black.iter_mut().skip(1).step_by(2).for_each(|c| *c = 128);
+        }
+        let missing = Frame {
+            data: &black,
+            format,
+            ..there
+        };
+        let [left, right] = eyes.map(|frame| frame.unwrap_or(missing));
+        let done = self.stitch_pair(&Pair { left, right });
+        self.black = black;
+        Ok(done?.then_some(&mut self.out))
+    }
+
+    fn stitch_pair(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {
         match pair.left.format.layout.core_format() {
             Format::Gray8 => self.stitch_as::<Gray8>(pair),
             Format::Rgb565 => self.stitch_as::<Rgb565>(pair),
@@ -59,17 +144,14 @@ impl<'t> LiveStitcher<'t> {
         }
     }
 
-    fn stitch_as<F: PixelFormat + Sync>(
-        &mut self,
-        pair: &Pair<'_>,
-    ) -> Result<Option<&mut [u8]>, CaptureError> {
+    fn stitch_as<F: PixelFormat + Sync>(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {
         let [width, height] = self.output_size_px().map(usize::from);
         let [left_scratch, right_scratch] = &mut self.scratch;
         let (Ok(left), Ok(right)) = (
             to_core(&pair.left, left_scratch),
             to_core(&pair.right, right_scratch),
         ) else {
-            return Ok(None);
+            return Ok(false);
         };
         let frame = |(data, stride), size_px: [u16; 2]| {
             CoreFrame::<F>::new(data, size_px[0], size_px[1], stride).map_err(StitchFailure::from)
@@ -79,6 +161,9 @@ impl<'t> LiveStitcher<'t> {
         self.out.resize(width * height * F::BYTES_PER_PIXEL, 0);
         stitch_bands(self.tables, self.sampler, &left, &right, &mut self.out)
             .map_err(StitchFailure::from)?;
-        Ok(Some(&mut self.out))
+        if !self.output_format(pair.left.format).full_range {
+            self.limit_void(F::BYTES_PER_PIXEL);
+        }
+        Ok(true)
     }
 }

@@ -2,13 +2,15 @@
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
+use crate::believed::Believed;
 use crate::pairing::{Drift, Step, step};
 use crate::{CaptureError, Frame, FrameSource, Health, Next, Stop};
 
-/// Frames without a pair, of sources that do give frames, before that is an error: enough for a
-/// camera to come back and for exposure to settle.
+/// Without a first pair for this long, of cameras that both do give frames, is an error: enough for
+/// exposure to settle.
 const HOPELESS_S: f64 = 5.0;
 
 /// One frame of each eye, taken at the same time.
@@ -19,6 +21,9 @@ pub struct Pair<'a> {
     /// Right frame.
     pub right: Frame<'a>,
 }
+
+/// What the eyes give at one moment, left and right.
+pub type Shot<'a> = [Option<Frame<'a>>; 2];
 
 /// What to do when pairs come faster than they are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +43,8 @@ pub struct PairStatistics {
     pub late: u64,
     /// Sound frames of each eye, left and right, that had no partner.
     pub alone: [u64; 2],
+    /// When the first frame of the left eye was taken, ns, with a partner or without.
+    pub first_left_ns: Option<i64>,
     /// Offsets between the eyes.
     pub drift: Drift,
 }
@@ -47,8 +54,8 @@ pub struct PairStatistics {
 /// At most one frame of each eye is held; what waits beyond that waits in the sources' own queues,
 /// which are bounded.
 pub struct Pairs {
-    sources: [Box<dyn FrameSource>; 2],
-    tolerance_ns: u64,
+    sources: [Believed; 2],
+    asked_ns: Option<u64>,
     late: Late,
     statistics: PairStatistics,
 }
@@ -59,7 +66,7 @@ impl std::fmt::Debug for Pairs {
         f.debug_struct("Pairs")
             .field("left", &left)
             .field("right", &right)
-            .field("tolerance_ns", &self.tolerance_ns)
+            .field("tolerance_ns", &self.tolerance_ns())
             .finish_non_exhaustive()
     }
 }
@@ -67,9 +74,12 @@ impl std::fmt::Debug for Pairs {
 impl Pairs {
     /// Pairs of `left` and `right`, taken at most `tolerance_ns` apart.
     ///
-    /// The tolerance is at most half of what lies between two frames, which is also what it is
-    /// without being given: with more, a frame could have two partners. Sources for which time
-    /// plays no part have no bound.
+    /// The tolerance is at most half of what lies between two frames, as measured from their times,
+    /// which is also what it is without being given: with more, a frame could have two partners.
+    /// Sources for which time plays no part have no bound.
+    ///
+    /// A frame whose time can not be true is left out; a clock that jumps is set right by the
+    /// frames before. Both are counted in the sources' health.
     ///
     /// # Errors
     /// [`CaptureError::DifferentFormats`] if the eyes' frames are not alike.
@@ -89,122 +99,255 @@ impl Pairs {
                 right: right.format(),
             });
         }
-        let half_ns = match (left.period_ns(), right.period_ns()) {
-            (Some(left), Some(right)) => left.min(right) / 2,
-            (Some(period), None) | (None, Some(period)) => period / 2,
-            (None, None) => 0,
-        };
-        let timeless = left.period_ns().is_none() && right.period_ns().is_none();
-        let tolerance_ns = match tolerance_ns {
-            Some(asked) if timeless => asked,
-            Some(asked) => asked.min(half_ns),
-            None => half_ns,
-        };
         Ok(Self {
-            sources: [left, right],
-            tolerance_ns,
+            sources: [left, right].map(Believed::new),
+            asked_ns: tolerance_ns,
             late,
             statistics: PairStatistics::default(),
         })
     }
 
-    /// Greatest distance of a pair, ns.
+    /// Greatest distance of a pair, ns, as measured so far.
     pub fn tolerance_ns(&self) -> u64 {
-        self.tolerance_ns
+        self.tolerance()()
+    }
+
+    /// Tells the greatest distance of a pair, ns, at any moment.
+    fn tolerance(&self) -> impl Fn() -> u64 + use<> {
+        let asked_ns = self.asked_ns;
+        let is_timeless = !self.sources.iter().any(Believed::has_time);
+        let periods = self.sources.each_ref().map(Believed::shared_period_ns);
+        move || {
+            let periods = periods.iter().map(|period| period.load(Ordering::Relaxed));
+            let half_ns = periods.filter(|period| *period > 0).min().unwrap_or(0) / 2;
+            match asked_ns {
+                Some(asked) if is_timeless => asked,
+                Some(asked) => asked.min(half_ns),
+                None => half_ns,
+            }
+        }
     }
 
     /// Names of both sources.
     pub fn names(&self) -> [&str; 2] {
-        [self.sources[0].name(), self.sources[1].name()]
+        self.sources.each_ref().map(|eye| eye.source().name())
     }
 
     /// Format of both eyes' frames; strides may differ.
     pub fn format(&self) -> crate::FrameFormat {
-        self.sources[0].format()
+        self.sources[0].source().format()
     }
 
     /// From one pair to the next, ns, as it should be.
     pub fn period_ns(&self) -> Option<u64> {
-        let [left, right] = &self.sources;
-        left.period_ns().max(right.period_ns())
+        let [left, right] = self.sources.each_ref().map(|eye| eye.source().period_ns());
+        left.max(right)
+    }
+
+    /// What is known of both sources, for a recording's description.
+    pub fn facts(&self) -> [serde_json::Value; 2] {
+        self.sources.each_ref().map(|eye| eye.source().facts())
     }
 
     /// Whether either source is live.
     pub fn is_live(&self) -> bool {
-        self.sources.iter().any(|source| source.is_live())
+        self.sources.iter().any(|eye| eye.source().is_live())
     }
 
     /// Counters of both sources; they go on being updated.
     pub fn health(&self) -> [Arc<Health>; 2] {
-        [self.sources[0].health(), self.sources[1].health()]
+        self.sources.each_ref().map(|eye| eye.source().health())
     }
 
     /// What became of the frames so far.
     pub fn statistics(&self) -> PairStatistics {
-        self.statistics
+        with_misstamped(self.statistics, &self.health())
     }
 
     /// Hands each pair and the statistics so far to `use_pair`, until a source ends, `stop` is set,
-    /// or `use_pair` breaks.
+    /// or `use_pair` breaks. A camera that is away is waited for, however long that takes.
     ///
     /// # Errors
     /// What a source or `use_pair` says; [`CaptureError::NeverTogether`] if both eyes give frames
-    /// and none belong together.
+    /// and no two ever belonged together.
     pub fn for_each<E: From<CaptureError>>(
         &mut self,
         stop: &Stop,
         mut use_pair: impl FnMut(Pair<'_>, &PairStatistics) -> Result<ControlFlow<()>, E>,
     ) -> Result<(), E> {
+        self.run(stop, false, |shot, statistics| match *shot {
+            [Some(left), Some(right)] => use_pair(Pair { left, right }, statistics),
+            _ => Ok(ControlFlow::Continue(())),
+        })
+    }
+
+    /// As [`for_each`](Self::for_each), and while one eye is away hands on what the other gives,
+    /// left and right.
+    ///
+    /// # Errors
+    /// As [`for_each`](Self::for_each).
+    pub fn for_each_available<E: From<CaptureError>>(
+        &mut self,
+        stop: &Stop,
+        use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> Result<ControlFlow<()>, E>,
+    ) -> Result<(), E> {
+        self.run(stop, true, use_shot)
+    }
+
+    fn run<E: From<CaptureError>>(
+        &mut self,
+        stop: &Stop,
+        with_lone: bool,
+        mut use_shot: impl FnMut(&Shot<'_>, &PairStatistics) -> Result<ControlFlow<()>, E>,
+    ) -> Result<(), E> {
+        let tolerance_ns = self.tolerance();
+        let health = self.health();
         let [left_source, right_source] = &mut self.sources;
         let statistics = &mut self.statistics;
-        // A macro, because a function cannot ask again and still return what it borrowed.
-        macro_rules! sound_frame {
-            ($source:expr) => {
+        let skips = self.late == Late::NewestWins;
+        let is_live = [&*left_source, &*right_source].map(|eye| eye.source().is_live());
+        let is_away = |eye: usize| !health[eye].counts().connected;
+        let mut hope = Hope::new();
+        // Which eye ended, and whether a frame of the other was held.
+        let ended: (usize, bool);
+        // Macros, because a function cannot ask again and still return what it borrowed.
+        macro_rules! hand_on {
+            ($shot:expr) => {
+                let so_far = with_misstamped(*statistics, &health);
+                if use_shot(&$shot, &so_far)?.is_break() {
+                    return Ok(());
+                }
+            };
+        }
+        // A frame of an eye, while the other gives `$held`; if it is away, that has no partner.
+        macro_rules! partner {
+            ($source:expr, $eye:expr, $held:expr, $run:lifetime) => {
                 loop {
                     if stop.is_set() {
                         return Ok(());
                     }
                     match $source.next()? {
                         Next::Frame(frame) => break frame,
+                        Next::Nothing if is_away($eye) => {
+                            hope.renew();
+                            if with_lone {
+                                statistics.alone[1 - $eye] += 1;
+                                let mut shot = [None, None];
+                                shot[1 - $eye] = Some($held);
+                                hand_on!(shot);
+                                continue $run;
+                            }
+                        }
                         Next::Nothing => {}
-                        Next::End => return Ok(()),
+                        Next::End => {
+                            ended = ($eye, true);
+                            break $run;
+                        }
                     }
                 }
             };
         }
-        let mut left = sound_frame!(left_source);
-        let mut right = sound_frame!(right_source);
-        let mut hope = Hope::new();
-        loop {
-            match step(left.time_ns, right.time_ns, self.tolerance_ns) {
-                Step::SkipLeft => {
-                    statistics.alone[0] += 1;
-                    hope.wane(left.time_ns, right.time_ns, self.tolerance_ns)?;
-                    left = sound_frame!(left_source);
-                }
-                Step::SkipRight => {
-                    statistics.alone[1] += 1;
-                    hope.wane(left.time_ns, right.time_ns, self.tolerance_ns)?;
-                    right = sound_frame!(right_source);
-                }
-                Step::Pair => {
-                    hope = Hope::new();
-                    let superseded = left.superseded && right.superseded;
-                    if self.late == Late::NewestWins && superseded {
-                        statistics.late += 1;
-                    } else {
-                        statistics.pairs += 1;
-                        statistics.drift.add(left.time_ns, right.time_ns);
-                        if use_pair(Pair { left, right }, statistics)?.is_break() {
-                            return Ok(());
+        // Each round begins without a frame.
+        'run: loop {
+            if stop.is_set() {
+                return Ok(());
+            }
+            let mut left = match left_source.next()? {
+                Next::Frame(frame) => frame,
+                Next::Nothing if is_away(0) => {
+                    hope.renew();
+                    // The newest, if that is wanted: this eye takes its time to say nothing.
+                    while with_lone && !stop.is_set() {
+                        match right_source.next()? {
+                            Next::Frame(right) => {
+                                statistics.alone[1] += 1;
+                                if skips && right.superseded {
+                                    continue;
+                                }
+                                hand_on!([None, Some(right)]);
+                            }
+                            Next::Nothing => {}
+                            Next::End => {
+                                ended = (1, false);
+                                break 'run;
+                            }
                         }
+                        break;
                     }
-                    left = sound_frame!(left_source);
-                    right = sound_frame!(right_source);
+                    continue;
+                }
+                Next::Nothing => continue,
+                Next::End => {
+                    ended = (0, false);
+                    break;
+                }
+            };
+            statistics.first_left_ns.get_or_insert(left.time_ns);
+            if with_lone && skips && left.superseded && is_away(1) {
+                statistics.alone[0] += 1;
+                continue;
+            }
+            let mut right = partner!(right_source, 1, left, 'run);
+            loop {
+                let tolerance_ns = tolerance_ns();
+                let step = step(left.time_ns, right.time_ns, tolerance_ns);
+                if step != Step::Pair && statistics.pairs + statistics.late == 0 {
+                    hope.wane(left.time_ns, right.time_ns);
+                    if is_live == [true; 2] && hope.is_lost() {
+                        return Err(hope.error(tolerance_ns).into());
+                    }
+                }
+                match step {
+                    Step::SkipLeft => {
+                        statistics.alone[0] += 1;
+                        left = partner!(left_source, 0, right, 'run);
+                    }
+                    Step::SkipRight => {
+                        statistics.alone[1] += 1;
+                        right = partner!(right_source, 1, left, 'run);
+                    }
+                    Step::Pair => {
+                        if skips && left.superseded && right.superseded {
+                            statistics.late += 1;
+                        } else {
+                            statistics.pairs += 1;
+                            statistics.drift.add(left.time_ns, right.time_ns);
+                            hand_on!([Some(left), Some(right)]);
+                        }
+                        continue 'run;
+                    }
                 }
             }
         }
+        // What the other eye still has is alone.
+        let (eye, other_is_held) = ended;
+        let other = 1 - eye;
+        statistics.alone[other] += u64::from(other_is_held);
+        let rest = if other == 0 {
+            left_source
+        } else {
+            right_source
+        };
+        while !is_live[other] && !stop.is_set() {
+            match rest.next()? {
+                Next::Frame(_) => statistics.alone[other] += 1,
+                Next::Nothing => {}
+                Next::End => break,
+            }
+        }
+        if statistics.pairs + statistics.late == 0 && hope.nearest_ns < u64::MAX {
+            return Err(hope.error(tolerance_ns()).into());
+        }
+        Ok(())
     }
+}
+
+/// Frames whose time can not be true have no partner either.
+fn with_misstamped(mut statistics: PairStatistics, health: &[Arc<Health>; 2]) -> PairStatistics {
+    for (alone, health) in statistics.alone.iter_mut().zip(health) {
+        *alone += health.counts().misstamped;
+    }
+    statistics
 }
 
 /// Whether frames of both eyes may still come together.
@@ -221,19 +364,25 @@ impl Hope {
         }
     }
 
+    /// A camera is away: until it is back nothing can be said.
+    fn renew(&mut self) {
+        self.since = Instant::now();
+    }
+
     /// Another frame without a partner.
-    fn wane(&mut self, left_ns: i64, right_ns: i64, tolerance_ns: u64) -> Result<(), CaptureError> {
-        self.nearest_ns = self
-            .nearest_ns
-            .min(right_ns.wrapping_sub(left_ns).unsigned_abs());
-        let seconds = self.since.elapsed().as_secs_f64();
-        if seconds < HOPELESS_S {
-            return Ok(());
-        }
-        Err(CaptureError::NeverTogether {
+    fn wane(&mut self, left_ns: i64, right_ns: i64) {
+        let apart_ns = right_ns.wrapping_sub(left_ns).unsigned_abs();
+        self.nearest_ns = self.nearest_ns.min(apart_ns);
+    }
+
+    fn is_lost(&self) -> bool {
+        self.since.elapsed().as_secs_f64() >= HOPELESS_S
+    }
+
+    fn error(&self, tolerance_ns: u64) -> CaptureError {
+        CaptureError::NeverTogether {
             tolerance_ms: tolerance_ns as f64 / 1e6,
-            seconds,
             nearest_ms: self.nearest_ns as f64 / 1e6,
-        })
+        }
     }
 }

@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use image::ImageReader;
+use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
 
 use crate::source::{Frame, FrameSource, Next};
-use crate::{CaptureError, FrameFormat, Health, Layout};
+use crate::{CaptureError, FrameFormat, Health, JpegDamage, Layout, check_jpeg};
 
-/// The picture files of a folder in the order of their names, or one picture: 8-bit RGB frames, the
-/// n-th at time n. A file that cannot be decoded counts as corrupt.
+/// The picture files of a folder in the order of their names, hidden ones left out, or one picture:
+/// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt.
 #[derive(Debug)]
 pub struct Pictures {
     name: String,
-    files: std::vec::IntoIter<PathBuf>,
+    files: std::vec::IntoIter<(i64, PathBuf)>,
     format: FrameFormat,
     data: Vec<u8>,
     read: u32,
@@ -38,7 +38,35 @@ impl Pictures {
         } else {
             vec![path.to_owned()]
         };
-        let Some(first) = files.first() else {
+        Self::of_files(path, (0..).zip(files).collect())
+    }
+
+    /// Pictures of two folders of which some belong together: `pairs` are indices into both lists,
+    /// and have one time. Each of the others has a time of its own.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_paired(
+        folders: [&Path; 2],
+        files: [Vec<PathBuf>; 2],
+        pairs: &[[usize; 2]],
+    ) -> Result<[Self; 2], CaptureError> {
+        let times = paired_times(files.each_ref().map(Vec::len), pairs);
+        let [left, right] = files.map(Vec::into_iter);
+        let timed = |files: std::vec::IntoIter<PathBuf>, times: &[i64]| {
+            let mut timed: Vec<_> = times.iter().copied().zip(files).collect();
+            timed.sort();
+            timed
+        };
+        Ok([
+            Self::of_files(folders[0], timed(left, &times[0]))?,
+            Self::of_files(folders[1], timed(right, &times[1]))?,
+        ])
+    }
+
+    /// Pictures with their times, in order.
+    fn of_files(path: &Path, files: Vec<(i64, PathBuf)>) -> Result<Self, CaptureError> {
+        let Some((_, first)) = files.first() else {
             return Err(CaptureError::File {
                 path: path.to_owned(),
                 why: "no pictures in this folder: needed are PNG, JPEG, PNM, BMP or TIFF files"
@@ -58,26 +86,72 @@ impl Pictures {
     }
 }
 
+/// A time for each picture: the left ones in order, their partners with them, what is alone on the
+/// right behind all.
+fn paired_times([left, right]: [usize; 2], pairs: &[[usize; 2]]) -> [Vec<i64>; 2] {
+    let of_left: Vec<i64> = (0..left as i64).collect();
+    let mut of_right: Vec<i64> = (0..right as i64).map(|i| left as i64 + i).collect();
+    for [l, r] in pairs {
+        if let (Some(time), Some(place)) = (of_left.get(*l), of_right.get_mut(*r)) {
+            *place = *time;
+        }
+    }
+    [of_left, of_right]
+}
+
+/// Such as `._1.png`, which macOS writes beside pictures on other file systems.
+fn is_hidden(file: &Path) -> bool {
+    let name = file.file_name().unwrap_or_default();
+    name.as_encoded_bytes().starts_with(b".")
+}
+
 fn is_picture(file: &Path) -> bool {
     let ending = file.extension().unwrap_or_default().to_string_lossy();
     let known = [
         "png", "jpg", "jpeg", "ppm", "pgm", "pnm", "bmp", "tif", "tiff",
     ];
-    known.contains(&&*ending.to_ascii_lowercase())
+    !is_hidden(file) && known.contains(&&*ending.to_ascii_lowercase())
+}
+
+/// Why bytes are not a picture that can be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// A JPEG picture that is not whole.
+    #[error("not a sound JPEG picture: {0}")]
+    Jpeg(JpegDamage),
+    /// Larger than the decoder allows.
+    #[error("too large a picture: decoded it takes more than 512 MiB")]
+    TooLarge,
+    /// Anything else.
+    #[error("not a sound PNG, JPEG, PNM, BMP or TIFF: {0}")]
+    Unsound(ImageError),
+}
+
+/// Decodes a PNG, JPEG, PNM, BMP or TIFF file; its content tells which.
+///
+/// # Errors
+/// [`PictureError`] for what must not be shown.
+pub fn decode_picture(bytes: &[u8]) -> Result<DynamicImage, PictureError> {
+    let reader = ImageReader::new(std::io::Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|error| PictureError::Unsound(error.into()))?;
+    if reader.format() == Some(ImageFormat::Jpeg) {
+        // Decoders show what is missing as plain grey.
+        check_jpeg(bytes).map_err(PictureError::Jpeg)?;
+    }
+    reader.decode().map_err(|error| match error {
+        ImageError::Limits(_) => PictureError::TooLarge,
+        error => PictureError::Unsound(error),
+    })
 }
 
 fn decode(path: &Path) -> Result<image::RgbImage, CaptureError> {
-    let reader = ImageReader::open(path).map_err(|e| CaptureError::io(path, e))?;
-    let reader = reader
-        .with_guessed_format()
-        .map_err(|e| CaptureError::io(path, e))?;
-    match reader.decode() {
-        Ok(picture) => Ok(picture.into_rgb8()),
-        Err(error) => Err(CaptureError::File {
-            path: path.to_owned(),
-            why: format!("not a sound PNG, JPEG, PNM, BMP or TIFF: {error}"),
-        }),
-    }
+    let bytes = std::fs::read(path).map_err(|e| CaptureError::io(path, e))?;
+    let picture = decode_picture(&bytes).map_err(|error| CaptureError::File {
+        path: path.to_owned(),
+        why: error.to_string(),
+    })?;
+    Ok(picture.into_rgb8())
 }
 
 impl FrameSource for Pictures {
@@ -90,7 +164,7 @@ impl FrameSource for Pictures {
     }
 
     fn next(&mut self) -> Result<Next<'_>, CaptureError> {
-        let Some(file) = self.files.next() else {
+        let Some((time_ns, file)) = self.files.next() else {
             return Ok(Next::End);
         };
         self.read += 1;
@@ -113,7 +187,7 @@ impl FrameSource for Pictures {
         Ok(Next::Frame(Frame {
             data: &self.data,
             format: self.format,
-            time_ns: i64::from(self.read - 1),
+            time_ns,
             sequence: self.read - 1,
             superseded: false,
         }))
@@ -149,6 +223,46 @@ mod tests {
         }
         assert_eq!(seen, [(1, 0), (2, 1), (4, 3)]);
         assert_eq!(source.health().counts().corrupt, 1);
+    }
+
+    #[test]
+    fn pictures_that_belong_together_have_one_time_and_hidden_ones_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |eye: &str, name: &str| folder.path().join(eye).join(name);
+        for (eye, names) in [("l", [1, 3, 4].as_slice()), ("r", &[1, 2, 3, 4])] {
+            std::fs::create_dir(folder.path().join(eye)).unwrap();
+            for name in names {
+                image::RgbImage::from_pixel(2, 2, image::Rgb([*name; 3]))
+                    .save(path(eye, &format!("{name}.png")))
+                    .unwrap();
+            }
+            std::fs::write(path(eye, "._1.png"), b"beside pictures on sticks").unwrap();
+        }
+        let files = |eye: &str| -> Vec<PathBuf> {
+            let files = std::fs::read_dir(folder.path().join(eye)).unwrap();
+            let mut files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
+            files.retain(|file| is_picture(file));
+            files.sort();
+            files
+        };
+        let [left, right] = ["l", "r"].map(|eye| folder.path().join(eye));
+        let [left, right] = Pictures::open_paired(
+            [&left, &right],
+            [files("l"), files("r")],
+            &[[0, 0], [1, 2], [2, 3]],
+        )
+        .unwrap();
+        let [left, right] = [left, right].map(|eye| Box::new(eye) as Box<dyn FrameSource>);
+        let mut pairs = crate::Pairs::new(left, right, None, crate::Late::KeepAll).unwrap();
+        let mut seen = Vec::new();
+        pairs
+            .for_each::<CaptureError>(&crate::Stop::default(), |pair, _| {
+                seen.push([pair.left.data[0], pair.right.data[0]]);
+                Ok(std::ops::ControlFlow::Continue(()))
+            })
+            .unwrap();
+        assert_eq!(seen, [[1, 1], [3, 3], [4, 4]]);
+        assert_eq!(pairs.statistics().alone, [0, 1]);
     }
 
     #[test]

@@ -10,6 +10,8 @@ use crate::health::missing;
 pub(crate) struct Recorded {
     read: u32,
     sequence: Option<u32>,
+    /// Damaged frames since the last sound one whose own number is not known.
+    unnumbered: u64,
     pub health: Arc<Health>,
 }
 
@@ -20,8 +22,24 @@ impl Recorded {
         let plain = (period_ns as i64 * i64::from(self.read), self.read);
         self.read += 1;
         let (time_ns, sequence) = stamped.unwrap_or(plain);
-        self.health.frame(missing(self.sequence, sequence));
+        let missing = missing(self.sequence, sequence);
+        self.health
+            .frame(missing.saturating_sub(std::mem::take(&mut self.unnumbered)));
         self.sequence = Some(sequence);
         (time_ns, sequence)
+    }
+
+    /// Counts a damaged frame, whose stamp may still be readable. It was recorded, so that it takes
+    /// its place among frames without stamps, and is not missing on top.
+    pub fn damaged(&mut self, stamped: Option<(i64, u32)>) {
+        self.health.corrupt();
+        self.read += 1;
+        match stamped {
+            Some((_, sequence)) => {
+                self.health.missed(missing(self.sequence, sequence));
+                self.sequence = Some(sequence);
+            }
+            None => self.unnumbered += 1,
+        }
     }
 }

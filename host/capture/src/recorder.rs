@@ -1,18 +1,15 @@
 //! Recordings that are whole up to the last frame, whenever the power goes.
 
-use std::fs::{File, OpenOptions};
+use image::codecs::jpeg::JpegEncoder;
+use std::fs::OpenOptions;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-
-use image::codecs::jpeg::JpegEncoder;
 use y4m::Colorspace;
 
 use crate::convert::{to_core, to_rgb8};
-use crate::{CaptureError, Frame, FrameFormat, LEAST_FREE_BYTES, Layout, check_free, mjpeg, stamp};
+use crate::writer::Writer;
+use crate::{CaptureError, Frame, FrameFormat, Layout, MIN_FREE_BYTES, check_free, mjpeg, stamp};
 
-/// What is recorded reaches the disk itself at least this often; a power cut loses no more.
-const SYNC_EVERY: Duration = Duration::from_secs(1);
 /// Quality of frames that the camera did not compress itself, of 100.
 const JPEG_QUALITY: u8 = 92;
 
@@ -65,14 +62,14 @@ pub struct Recorder {
 
 /// Where the bytes go.
 enum Output {
-    File { file: File, synced: Instant },
+    File(Writer),
     Pipe(Box<dyn Write + Send>),
 }
 
 impl std::fmt::Debug for Output {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::File { .. } => "file",
+            Self::File(_) => "file",
             Self::Pipe(_) => "pipe",
         })
     }
@@ -85,7 +82,7 @@ impl Recorder {
     /// # Errors
     /// [`CaptureError`] if the file exists or cannot be made, or there is too little room.
     pub fn create(path: &Path, kind: VideoKind, rate: [u32; 2]) -> Result<Self, CaptureError> {
-        check_free(path, LEAST_FREE_BYTES)?;
+        check_free(path, MIN_FREE_BYTES)?;
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(|e| CaptureError::io(folder, e))?;
         }
@@ -97,14 +94,8 @@ impl Recorder {
             },
             _ => CaptureError::io(path, error),
         })?;
-        let synced = Instant::now();
-        Ok(Self::new(
-            path,
-            kind,
-            rate,
-            true,
-            Output::File { file, synced },
-        ))
+        let writer = Writer::new(file, path);
+        Ok(Self::new(path, kind, rate, true, Output::File(writer)))
     }
 
     /// A pipe, such as stdout; `name` is what to call it. Frames carry no times: a plain stream.
@@ -162,10 +153,11 @@ impl Recorder {
         if sound.is_none() {
             return Ok(false);
         }
+        let bytes = self.piece.len() as u64;
         self.flush()?;
         self.header_written = true;
         self.frames += 1;
-        self.bytes += self.piece.len() as u64;
+        self.bytes += bytes;
         Ok(true)
     }
 
@@ -177,16 +169,25 @@ impl Recorder {
                 pipe.write_all(&self.piece).map_err(io)?;
                 pipe.flush().map_err(io)
             }
-            Output::File { file, synced } => {
-                file.write_all(&self.piece).map_err(io)?;
-                if synced.elapsed() >= SYNC_EVERY {
-                    file.sync_data().map_err(io)?;
-                    *synced = Instant::now();
-                    check_free(path, LEAST_FREE_BYTES)?;
-                }
-                Ok(())
-            }
+            Output::File(writer) => writer.push(std::mem::take(&mut self.piece)),
         }
+    }
+
+    /// Waits until everything is on the disk. A file without a frame is no recording and is
+    /// removed.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn finish(&mut self) -> Result<(), CaptureError> {
+        let Output::File(writer) = &mut self.out else {
+            return Ok(());
+        };
+        let (written, done) = writer.finish();
+        self.frames = written;
+        if written == 0 {
+            let _ = std::fs::remove_file(&self.path);
+        }
+        done
     }
 
     fn append_jpeg(&mut self, frame: &Frame<'_>) -> Option<()> {
@@ -216,10 +217,15 @@ impl Recorder {
         let rate = y4m::Ratio::new(frames, seconds);
         // The encoder writes header and frames; the header stands before the first frame alone.
         let mut encoder = y4m::encode(width, height, rate).with_colorspace(colours);
-        if frame.format.full_range {
-            let tag = y4m::VendorExtensionString::new(b"COLORRANGE=FULL".to_vec());
-            encoder = encoder.append_vendor_extension(tag.ok()?);
-        }
+        // What goes through RGB comes out in full range.
+        let is_full = frame.format.full_range || matches!(colours, Colorspace::C444);
+        let range: &[u8] = if is_full {
+            b"COLORRANGE=FULL"
+        } else {
+            b"COLORRANGE=LIMITED"
+        };
+        let tag = y4m::VendorExtensionString::new(range.to_vec());
+        encoder = encoder.append_vendor_extension(tag.ok()?);
         let mut header = Vec::new();
         let write = |encoder: &mut y4m::Encoder<&mut Vec<u8>>| {
             let stamp = || {
@@ -242,6 +248,12 @@ impl Recorder {
         };
         self.piece.extend_from_slice(&header[start..]);
         Some(())
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        let _ = self.finish();
     }
 }
 

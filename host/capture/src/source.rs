@@ -49,6 +49,11 @@ pub trait FrameSource: Send {
         false
     }
 
+    /// What is known of it beyond that, for a recording's description: product, controls.
+    fn facts(&self) -> serde_json::Value {
+        serde_json::Value::Null
+    }
+
     /// Waits for the next frame; returns within about two seconds whatever happens.
     ///
     /// # Errors

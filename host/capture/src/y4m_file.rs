@@ -1,9 +1,10 @@
 //! Raw video (YUV4MPEG2) as a source.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use y4m::{Colorspace, Decoder, Error};
 
@@ -17,11 +18,27 @@ use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 pub struct Y4m {
     path: PathBuf,
     name: String,
-    decoder: Decoder<BufReader<File>>,
+    decoder: Decoder<Counted<BufReader<File>>>,
+    /// Bytes that the decoder has taken.
+    taken: Arc<AtomicU64>,
     format: FrameFormat,
     period_ns: u64,
     data: Vec<u8>,
     recorded: Recorded,
+}
+
+/// A reader whose bytes are counted.
+struct Counted<R> {
+    reader: R,
+    taken: Arc<AtomicU64>,
+}
+
+impl<R: Read> Read for Counted<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let count = self.reader.read(out)?;
+        self.taken.fetch_add(count as u64, Ordering::Relaxed);
+        Ok(count)
+    }
 }
 
 impl std::fmt::Debug for Y4m {
@@ -45,7 +62,12 @@ impl Y4m {
             path: path.to_owned(),
             why,
         };
-        let decoder = y4m::decode(BufReader::new(file))
+        let taken = Arc::<AtomicU64>::default();
+        let counted = Counted {
+            reader: BufReader::new(file),
+            taken: taken.clone(),
+        };
+        let decoder = y4m::decode(counted)
             .map_err(|error| refuse(format!("not a sound y4m video: {error}")))?;
         let layout = match decoder.get_colorspace() {
             Colorspace::Cmono => Layout::Grey,
@@ -84,6 +106,7 @@ impl Y4m {
             path: path.to_owned(),
             name: path.display().to_string(),
             decoder,
+            taken,
             format: FrameFormat {
                 full_range,
                 ..FrameFormat::packed(layout, [w, h])
@@ -109,15 +132,18 @@ impl FrameSource for Y4m {
     }
 
     fn next(&mut self) -> Result<Next<'_>, CaptureError> {
+        let before = self.taken.load(Ordering::Relaxed);
         let frame = match self.decoder.read_frame() {
             Ok(frame) => frame,
-            Err(Error::EOF) => return Ok(Next::End),
+            Err(Error::EOF) if self.taken.load(Ordering::Relaxed) == before => {
+                return Ok(Next::End);
+            }
             // Anything else that is no frame ends the file: there is no way to find the next.
-            Err(Error::IoError(error)) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
+            Err(Error::IoError(error)) if error.kind() != io::ErrorKind::UnexpectedEof => {
                 return Err(CaptureError::io(&self.path, error));
             }
             Err(_) => {
-                self.recorded.health.corrupt();
+                self.recorded.damaged(None);
                 return Ok(Next::End);
             }
         };

@@ -14,6 +14,7 @@ const PERIOD_NS: i64 = 10_000_000;
 enum Act {
     Frame { time_ns: i64, superseded: bool },
     Damaged,
+    Away,
 }
 
 struct Scripted {
@@ -74,10 +75,15 @@ impl FrameSource for Scripted {
                 self.health.corrupt();
                 Ok(Next::Nothing)
             }
+            Act::Away => {
+                self.health.set_connected(false);
+                Ok(Next::Nothing)
+            }
             Act::Frame {
                 time_ns,
                 superseded,
             } => {
+                self.health.set_connected(true);
                 self.data.fill(self.made as u8);
                 Ok(Next::Frame(Frame {
                     data: &self.data,
@@ -150,14 +156,89 @@ fn who_is_late_gets_the_newest_pair_unless_all_are_wanted() {
 }
 
 #[test]
-fn the_tolerance_is_at_most_half_a_period() {
-    let both = || [Scripted::at([0]), Scripted::at([PERIOD_NS * 3 / 4])];
+fn the_tolerance_is_at_most_half_a_period_and_frames_that_never_meet_are_an_error() {
     for asked in [None, Some(PERIOD_NS as u64)] {
-        let [left, right] = both();
-        let mut pairs = Pairs::new(left, right, asked, Late::KeepAll).unwrap();
+        let at = |shift: i64| Scripted::at((0..4).map(move |i| 2 * i * PERIOD_NS + shift));
+        let mut pairs = Pairs::new(at(0), at(PERIOD_NS), asked, Late::KeepAll).unwrap();
         assert_eq!(pairs.tolerance_ns(), PERIOD_NS as u64 / 2);
-        assert!(run(&mut pairs).is_empty());
+        let run =
+            pairs.for_each::<CaptureError>(&Stop::default(), |_, _| Ok(ControlFlow::Continue(())));
+        let error = run.unwrap_err();
+        assert!(
+            matches!(error, CaptureError::NeverTogether { .. }),
+            "{error}"
+        );
+        assert!(error.to_string().contains("the same --rate"), "{error}");
+        assert_eq!(pairs.statistics().alone, [4, 4]);
     }
+}
+
+#[test]
+fn half_the_rate_in_the_dark_is_measured_and_paired_whatever_the_phase() {
+    let at = |shift: i64| Scripted::at((0..40).map(move |i| 2 * i * PERIOD_NS + shift));
+    let mut pairs = Pairs::new(at(0), at(PERIOD_NS * 9 / 10), None, Late::KeepAll).unwrap();
+    let paired = run(&mut pairs).len();
+    // The first few frames measure the period.
+    assert!((30..=40).contains(&paired), "{paired}");
+    assert_eq!(pairs.tolerance_ns(), PERIOD_NS as u64);
+}
+
+#[test]
+fn a_stamp_far_ahead_or_behind_costs_itself_alone_wherever_it_is() {
+    const HOUR_NS: i64 = 3_600_000_000_000;
+    for wrong in 0..10 {
+        for off_ns in [HOUR_NS, -HOUR_NS] {
+            let time = |i: i64| i * PERIOD_NS;
+            let off = move |i| time(i) + if i == wrong { off_ns } else { 0 };
+            let [left, right] = [
+                Scripted::at((0..10).map(time)),
+                Scripted::at((0..10).map(off)),
+            ];
+            let mut pairs = Pairs::new(left, right, None, Late::KeepAll).unwrap();
+            let seen = run(&mut pairs);
+            assert_eq!(seen.len(), 9, "{wrong} {off_ns}");
+            assert!(
+                seen.iter().all(|[l, r]| l == r),
+                "{wrong} {off_ns}: {seen:?}"
+            );
+            assert_eq!(pairs.statistics().alone, [1, 1], "{wrong} {off_ns}");
+        }
+    }
+}
+
+#[test]
+fn clocks_that_jump_are_set_right_and_counted() {
+    let time = |i: i64| i * PERIOD_NS;
+    let jumps = |i: i64| time(i) + if i >= 4 { -1_000_000_000_000 } else { 7 };
+    let [left, right] = [
+        Scripted::at((0..10).map(time)),
+        Scripted::at((0..10).map(jumps)),
+    ];
+    let mut pairs = Pairs::new(left, right, None, Late::KeepAll).unwrap();
+    assert_eq!(run(&mut pairs).len(), 10);
+    assert_eq!(pairs.health()[1].counts().clock_jumps, 1);
+    assert_eq!(pairs.health()[0].counts().clock_jumps, 0);
+    assert_eq!(pairs.statistics().alone, [0, 0]);
+}
+
+#[test]
+fn clocks_that_have_nothing_in_common_are_told() {
+    let day = 86_400_000_000_000;
+    let [left, right] = [0, day].map(|s| Scripted::at((0..10).map(move |i| s + i * PERIOD_NS)));
+    let mut pairs = Pairs::new(left, right, None, Late::KeepAll).unwrap();
+    let use_none = |_: tectum_capture::Pair<'_>, _: &_| Ok(ControlFlow::Continue(()));
+    let error = pairs
+        .for_each::<CaptureError>(&Stop::default(), use_none)
+        .unwrap_err();
+    assert!(error.to_string().contains("nothing in common"), "{error}");
+}
+
+#[test]
+fn what_one_eye_has_more_is_alone() {
+    let [left, right] = [10, 7].map(|frames| Scripted::at((0..frames).map(|i| i * PERIOD_NS)));
+    let mut pairs = Pairs::new(left, right, None, Late::KeepAll).unwrap();
+    assert_eq!(run(&mut pairs).len(), 7);
+    assert_eq!(pairs.statistics().alone, [3, 0]);
 }
 
 #[test]
@@ -189,4 +270,56 @@ fn a_request_to_stop_ends_it() {
         })
         .unwrap();
     assert_eq!(seen, 3);
+}
+
+#[test]
+fn while_one_eye_is_away_the_other_is_handed_on_only_if_asked_for() {
+    let frame = |i: i64| Act::Frame {
+        time_ns: i * PERIOD_NS,
+        superseded: false,
+    };
+    let whole = || Scripted::at((0..9).map(|i| i * PERIOD_NS));
+    let broken = || {
+        let away = [Act::Away; 3];
+        Scripted::new([&[0, 1, 2].map(frame)[..], &away, &[6, 7, 8].map(frame)].concat())
+    };
+    for lost in 0..2 {
+        let pairs = || {
+            let [left, right] = if lost == 0 {
+                [broken(), whole()]
+            } else {
+                [whole(), broken()]
+            };
+            Pairs::new(left, right, None, Late::KeepAll).unwrap()
+        };
+        let mut seen = Vec::new();
+        let mut available = pairs();
+        available
+            .for_each_available::<CaptureError>(&Stop::default(), |shot, _| {
+                seen.push(shot.map(|frame| frame.map(|frame| frame.time_ns / PERIOD_NS)));
+                Ok(ControlFlow::Continue(()))
+            })
+            .unwrap();
+        let both = |i| [Some(i); 2];
+        let alone = |i| {
+            if lost == 0 {
+                [None, Some(i)]
+            } else {
+                [Some(i), None]
+            }
+        };
+        let wanted = [
+            [0, 1, 2].map(both),
+            [3, 4, 5].map(alone),
+            [6, 7, 8].map(both),
+        ]
+        .concat();
+        assert_eq!(seen, wanted, "{lost}");
+        let counted = available.statistics();
+        assert_eq!((counted.pairs, counted.alone[1 - lost]), (6, 3), "{lost}");
+        assert_eq!(counted.alone[lost], 0, "{lost}");
+        let mut paired = pairs();
+        assert_eq!(run(&mut paired).len(), 6, "{lost}");
+        assert_eq!(paired.statistics().alone[1 - lost], 3, "{lost}");
+    }
 }

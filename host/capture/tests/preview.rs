@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use tectum_capture::preview::{Fixed, Picture, Preview, Snapshot};
+use tectum_capture::preview::{Fixed, Picture, Preview, Request, Snapshot};
 use tectum_capture::{FrameFormat, Health, Layout};
 
 const FORMAT: FrameFormat = FrameFormat {
@@ -23,11 +23,12 @@ fn preview() -> Preview {
             x.map(|(_, x)| format!("{{\"x\":{x}}}"))
                 .ok_or_else(|| "needed is x".to_owned())
         })),
-        scales_png: None,
+        takes_requests: true,
         eyes: [
             Some(("one \"eye\"".to_owned(), Arc::new(Health::default()))),
             None,
         ],
+        ..Fixed::default()
     };
     Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap()
 }
@@ -80,6 +81,8 @@ fn the_page_and_nothing_else_is_served() {
     for path in [
         "/page.css",
         "/page.js",
+        "/targets.js",
+        "/operator.js",
         "/status.json",
         "/icon.svg",
         "/direction.json?x=3",
@@ -93,6 +96,7 @@ fn the_page_and_nothing_else_is_served() {
         "/page.js/",
         "//",
         "/scales.png",
+        "/scales.svg?width=300&step=30",
     ] {
         assert_eq!(get(address, path).0, 404, "{path}");
     }
@@ -118,7 +122,7 @@ fn writing_foreign_names_and_malformed_requests_are_refused() {
         code("GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n"),
         403
     );
-    assert_eq!(code("GET / HTTP/1.0\r\n\r\n"), 403);
+    assert_eq!(code("GET / HTTP/1.0\r\n\r\n"), 400);
     for bad in [
         "nonsense\r\n\r\n",
         "GET /\r\n\r\n",
@@ -202,4 +206,157 @@ fn fifty_clients_of_which_some_stall_do_not_slow_who_publishes() {
     // Not a measure of speed: a publisher that waited for a stalled client would wait for seconds.
     assert!(slowest < Duration::from_secs(2), "{slowest:?}");
     drop(stalled);
+}
+
+/// Asks with `method` and more lines of the head.
+fn ask(address: SocketAddr, method: &str, path: &str, extra: &str) -> (u16, String) {
+    let request = format!(
+        "{method} {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n{extra}\
+         Content-Length: 0\r\n\r\n"
+    );
+    let (status, body) = split(&exchange(address, request.as_bytes()));
+    (status, String::from_utf8(body).unwrap())
+}
+
+fn token(preview: &Preview) -> String {
+    let notice = preview.notice();
+    let start = notice.find("#token=").unwrap() + "#token=".len();
+    let rest = &notice[start..];
+    rest[..rest.find('\n').unwrap()].to_owned()
+}
+
+#[test]
+fn at_any_address_foreign_names_are_refused_and_those_that_open_are_told() {
+    let any = "0.0.0.0:0".parse().unwrap();
+    let preview = Preview::serve(any, Fixed::default()).unwrap();
+    let port = preview.address().port();
+    let local = SocketAddr::from(([127, 0, 0, 1], port));
+    let code = |host: &str| {
+        let request = format!("GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+        split(&exchange(local, request.as_bytes())).0
+    };
+    for host in [
+        "evil.example",
+        "evil.example:8088",
+        "localhost.evil.example",
+    ] {
+        assert_eq!(code(host), 403, "{host}");
+    }
+    for host in [
+        "localhost",
+        "127.0.0.1",
+        "192.168.1.7:8088",
+        "[fd00::1]:8088",
+    ] {
+        assert_eq!(code(host), 200, "{host}");
+    }
+    let notice = preview.notice();
+    assert!(!notice.contains("0.0.0.0"), "{notice}");
+    assert!(notice.contains(&format!("preview: http://127.0.0.1:{port}/")));
+    assert!(notice.contains("warning: everyone on the network can watch"));
+    // What it prints can be opened.
+    for line in notice.lines() {
+        let Some(url) = line.strip_prefix("preview: http://") else {
+            continue;
+        };
+        let address = url.trim_end_matches('/').parse().unwrap();
+        assert_eq!(get(address, "/").0, 200, "{line}");
+    }
+    let alone = "127.0.0.1:0".parse().unwrap();
+    let notice = Preview::serve(alone, Fixed::default()).unwrap().notice();
+    assert!(!notice.contains("warning"), "{notice}");
+    assert!(
+        !notice.contains("token"),
+        "nothing can be changed: {notice}"
+    );
+}
+
+#[test]
+fn changes_need_the_token_and_are_answered_by_the_capturing_thread() {
+    let preview = preview();
+    let address = preview.address();
+    let with_token = format!("X-Tectum-Token: {}\r\n", token(&preview));
+    for (extra, wanted) in [
+        (String::new(), 403),
+        ("X-Tectum-Token: 00\r\n".to_owned(), 403),
+        (format!("{with_token}Origin: http://evil.example\r\n"), 403),
+    ] {
+        for path in ["/snapshot", "/record?on=1", "/mark?name=a", "/lock"] {
+            assert_eq!(ask(address, "POST", path, &extra).0, wanted, "{path}");
+        }
+        let (_, status) = ask(address, "GET", "/status.json", &extra);
+        assert!(status.contains("\"may_change\":false"), "{status}");
+    }
+    assert!(preview.next_request().is_none(), "nothing got through");
+    // A request that reads cannot change.
+    assert_eq!(ask(address, "GET", "/snapshot", &with_token).0, 405);
+    let (_, status) = ask(address, "GET", "/status.json", &with_token);
+    assert!(status.contains("\"may_change\":true"), "{status}");
+    // Without controls there is nothing to lock.
+    assert_eq!(ask(address, "POST", "/lock", &with_token).0, 409);
+    assert_eq!(
+        ask(address, "POST", "/exposure?value=x", &with_token).0,
+        400
+    );
+    let asking = std::thread::spawn(move || {
+        ask(
+            address,
+            "POST",
+            "/mark?name=shark%20%22A%22%0A",
+            &with_token,
+        )
+    });
+    let asked = loop {
+        match preview.next_request() {
+            Some(asked) => break asked,
+            None => std::thread::sleep(Duration::from_millis(1)),
+        }
+    };
+    assert_eq!(asked.request, Request::Mark("shark \"A\"".to_owned()));
+    asked.answer(Ok("marked".to_owned()));
+    assert_eq!(asking.join().unwrap(), (200, "marked".to_owned()));
+}
+
+#[test]
+fn slow_clients_do_not_keep_others_out() {
+    let preview = preview();
+    let address = preview.address();
+    let stalled: Vec<_> = (0..120)
+        .map(|_| {
+            let mut stream = TcpStream::connect(address).unwrap();
+            stream.write_all(b"GET / HTTP/1.1\r\nHost: loc").unwrap();
+            stream.set_nonblocking(true).unwrap();
+            stream
+        })
+        .collect();
+    for _ in 0..20 {
+        assert_eq!(get(address, "/status.json").0, 200);
+    }
+    // Others were let in while slow ones still had their time.
+    let waiting = |mut stream: &TcpStream| match stream.read(&mut [0; 1]) {
+        Err(error) => error.kind() == std::io::ErrorKind::WouldBlock,
+        Ok(_) => false,
+    };
+    assert!(stalled.iter().any(waiting));
+}
+
+#[test]
+fn a_stall_is_told_and_an_end_is_no_stall() {
+    let fixed = Fixed {
+        period_ns: Some(1_000_000),
+        ..Fixed::default()
+    };
+    let preview = Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap();
+    let status = || -> serde_json::Value {
+        serde_json::from_slice(&get(preview.address(), "/status.json").1).unwrap()
+    };
+    preview.frame_came();
+    let begun = Instant::now();
+    while status()["stalled"] == false {
+        assert!(begun.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert!(status()["frame_age_ms"].as_i64().unwrap() > 1000);
+    preview.set_status(serde_json::json!({ "ended": true }));
+    assert_eq!(status()["stalled"], false);
 }

@@ -154,7 +154,16 @@ fn a_recording_cut_anywhere_gives_every_whole_frame_before() {
                 None => 0,
                 Some(mut source) => {
                     let (read, _) = read_all(&mut *source);
-                    assert!(read[..] == whole[..read.len()], "{kind:?} cut at {length}");
+                    for ((data, time_ns, sequence), whole) in read.iter().zip(&whole) {
+                        // A JPEG picture that lacks its end marker alone is whole.
+                        let lacking = whole.0.len() - data.len();
+                        let most = if kind == VideoKind::Mjpeg { 2 } else { 0 };
+                        assert!(
+                            whole.0.starts_with(data) && lacking <= most,
+                            "cut at {length}"
+                        );
+                        assert_eq!((*time_ns, *sequence), (whole.1, whole.2));
+                    }
                     read.len()
                 }
             };

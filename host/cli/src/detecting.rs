@@ -11,6 +11,7 @@ use tectum_calibrate::session::{Detected, Detections, Found, Outcome, Session, W
 use tectum_calibrate::{BoardSize, Dictionary};
 
 use crate::progress::Progress;
+use crate::report::path_json;
 
 /// What to look for.
 pub struct Targets {
@@ -104,7 +105,7 @@ pub fn notes(detections: &Detections) -> String {
 pub fn skipped_json(detections: &Detections) -> Value {
     let skipped = skipped(detections).into_iter();
     skipped
-        .map(|(file, reason)| json!({ "file": file, "reason": reason }))
+        .map(|(file, reason)| json!({ "file": path_json(file), "reason": reason }))
         .collect()
 }
 

@@ -1,16 +1,28 @@
-//! Files in and out.
+//! Files in and out. Every verb writes its outputs through this module.
+//!
+//! A regular file is written under a temporary name in its own folder, synced, and renamed when
+//! complete; a symbolic link is followed first. A device, a FIFO or a socket is written through.
+//! Several files can be replaced as one ([`write_group`]).
 
-use std::fs;
-use std::io::Write;
-use std::path::Path;
+use std::collections::HashSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use tectum_optics::{Rig, read_limited};
 use tectum_tables::Tables;
 use tempfile::NamedTempFile;
 
-/// Reads a whole file; an empty one is an error.
+/// Largest file that is read whole, far above any picture or table.
+const MAX_INPUT_BYTES: u64 = 2 << 30;
+/// Prefix of temporary names.
+const TEMPORARY: &str = ".tectum-";
+
+/// Reads a whole file; an empty one is an error, as is one without an end.
 pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
-    let bytes = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    let bytes = read_limited(path, MAX_INPUT_BYTES)
+        .with_context(|| format!("{}: cannot be read", path.display()))?;
     if bytes.is_empty() {
         bail!("{}: the file is empty", path.display());
     }
@@ -27,35 +39,126 @@ pub fn table<'a>(bytes: &'a [u8], path: &Path) -> anyhow::Result<Tables<'a>> {
     })
 }
 
-/// Writes a file at once: under another name in the same folder, renamed when complete. Makes
-/// the folder.
+/// Writes a file at once. Makes the folder.
 pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    write_whole(path, bytes).with_context(|| format!("{}: cannot be written", path.display()))
+    write_group(&[(path, bytes)])
 }
 
-/// Refuses early what [`write()`] would refuse after long work. Makes the folder.
-pub fn check_writable(path: &Path) -> anyhow::Result<()> {
-    let place = new_file(path).with_context(|| format!("{}: cannot be written", path.display()));
-    place.map(drop)
-}
-
-fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    let mut file = new_file(path)?;
-    file.write_all(bytes)?;
-    file.persist(path)?;
+/// Writes several files that belong together: all of them are complete on the disk under temporary
+/// names before the first is renamed, so that a full disk leaves every file as it was. They are
+/// renamed in order: give the one that names the others last.
+pub fn write_group(files: &[(&Path, &[u8])]) -> anyhow::Result<()> {
+    let cannot = |path: &Path| format!("{}: cannot be written", path.display());
+    let mut complete = Vec::new();
+    for (path, bytes) in files {
+        complete.push(Pending::new(path, bytes).with_context(|| cannot(path))?);
+    }
+    for (pending, (path, _)) in complete.into_iter().zip(files) {
+        pending.finish().with_context(|| cannot(path))?;
+    }
     Ok(())
 }
 
-/// A file under another name in the folder of `path`; it goes away when dropped.
-fn new_file(path: &Path) -> anyhow::Result<NamedTempFile> {
-    let folder = match path.parent() {
+/// Refuses early, before long work: outputs that cannot be written, the same output twice, and an
+/// output that is one of the `inputs`.
+pub fn check_outputs(
+    outputs: impl IntoIterator<Item = impl AsRef<Path>>,
+    inputs: impl IntoIterator<Item = impl AsRef<Path>>,
+) -> anyhow::Result<()> {
+    let mut seen = HashSet::new();
+    let inputs: HashSet<PathBuf> = inputs.into_iter().flat_map(fs::canonicalize).collect();
+    for output in outputs {
+        let output = output.as_ref();
+        let place = Place::of(output)
+            .and_then(|place| place.check().map(|()| place))
+            .with_context(|| format!("{}: cannot be written", output.display()))?;
+        let Place::Regular(path) = place else {
+            continue;
+        };
+        let whole = whole_path(&path);
+        if inputs.contains(&whole) {
+            bail!(
+                "{}: this is an input of the same command, which would be lost: give another name",
+                output.display()
+            );
+        }
+        if !seen.insert(whole) {
+            bail!("{}: two outputs have this name", output.display());
+        }
+    }
+    Ok(())
+}
+
+/// The rig's file and the files that it names.
+pub fn rig_inputs(path: &Path) -> Vec<PathBuf> {
+    let mut files = vec![path.to_owned()];
+    files.extend(Rig::named_files(path));
+    files
+}
+
+/// The path of a file that may not be there yet, with its folder's links resolved.
+fn whole_path(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default();
+    fs::canonicalize(folder_of(path)).map_or_else(|_| path.to_owned(), |folder| folder.join(name))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
-    };
-    fs::create_dir_all(folder)?;
-    if path.is_dir() {
-        bail!("it is a folder");
     }
+}
+
+/// Where an output goes.
+enum Place {
+    /// A regular file, there or not: the path behind all symbolic links.
+    Regular(PathBuf),
+    /// A device, a FIFO or a socket.
+    Through(PathBuf),
+}
+
+impl Place {
+    fn of(path: &Path) -> anyhow::Result<Self> {
+        // Names such as /dev/stdout are the process's own, whatever is behind them.
+        let is_own = path.starts_with("/dev") || path.starts_with("/proc");
+        match fs::metadata(path) {
+            Ok(found) if found.is_dir() => bail!("it is a folder"),
+            Ok(found) if is_own || !found.is_file() => Ok(Self::Through(path.to_owned())),
+            Ok(_) => Ok(Self::Regular(fs::canonicalize(path)?)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                // A link to nothing yet names the file to be made.
+                match fs::read_link(path) {
+                    Ok(target) => Self::of(&folder_of(path).join(target)),
+                    Err(_) => Ok(Self::Regular(path.to_owned())),
+                }
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Whether it can be written.
+    fn check(&self) -> anyhow::Result<()> {
+        match self {
+            Self::Regular(path) => {
+                // Folders are made when there is something to put into them.
+                let there = folder_of(path).ancestors().find(|folder| folder.exists());
+                let there = there.filter(|folder| !folder.as_os_str().is_empty());
+                temporary_in(there.unwrap_or(Path::new("."))).map(drop)
+            }
+            // Opening a FIFO would wait for its reader.
+            Self::Through(_) => Ok(()),
+        }
+    }
+}
+
+/// A temporary file in the folder of `path`; it goes away when dropped. Makes the folder.
+fn temporary_for(path: &Path) -> anyhow::Result<NamedTempFile> {
+    let folder = folder_of(path);
+    fs::create_dir_all(folder)?;
+    temporary_in(folder)
+}
+
+fn temporary_in(folder: &Path) -> anyhow::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
@@ -63,5 +166,121 @@ fn new_file(path: &Path) -> anyhow::Result<NamedTempFile> {
         // As any new file: readable by others, less what the umask takes.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    Ok(builder.prefix(".tectum-").tempfile_in(folder)?)
+    Ok(builder.prefix(TEMPORARY).tempfile_in(folder)?)
+}
+
+/// An output whose bytes are complete and that does not have its name yet.
+enum Pending<'a> {
+    Regular(NamedTempFile, PathBuf),
+    Through(PathBuf, &'a [u8]),
+}
+
+impl<'a> Pending<'a> {
+    fn new(path: &Path, bytes: &'a [u8]) -> anyhow::Result<Self> {
+        match Place::of(path)? {
+            Place::Through(path) => Ok(Self::Through(path, bytes)),
+            Place::Regular(path) => {
+                let mut file = temporary_for(&path)?;
+                if let Ok(before) = fs::metadata(&path) {
+                    file.as_file().set_permissions(before.permissions())?;
+                }
+                file.write_all(bytes)?;
+                file.as_file().sync_all()?;
+                Ok(Self::Regular(file, path))
+            }
+        }
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        match self {
+            Self::Regular(file, path) => {
+                file.persist(&path)?;
+                // The new name itself; a file system that cannot sync a folder is no error.
+                if let Ok(folder) = File::open(folder_of(&path)) {
+                    let _ = folder.sync_all();
+                }
+            }
+            Self::Through(path, bytes) => {
+                let mut file = OpenOptions::new().write(true).open(path)?;
+                file.write_all(bytes)?;
+                file.flush()?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NONE: [&str; 0] = [];
+
+    fn text(path: &Path) -> String {
+        fs::read_to_string(path).unwrap()
+    }
+
+    #[test]
+    fn a_link_is_followed_and_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("there"), b"old").unwrap();
+        std::os::unix::fs::symlink("there", at("link")).unwrap();
+        std::os::unix::fs::symlink("later", at("dangling")).unwrap();
+        write(&at("link"), b"new").unwrap();
+        write(&at("dangling"), b"made").unwrap();
+        assert!(at("link").is_symlink() && at("dangling").is_symlink());
+        assert_eq!([text(&at("there")), text(&at("later"))], ["new", "made"]);
+        std::os::unix::fs::symlink("loop", at("loop")).unwrap();
+        assert!(write(&at("loop"), b"x").is_err());
+    }
+
+    #[test]
+    fn a_fifo_and_a_device_are_written_through() {
+        use std::os::unix::fs::FileTypeExt;
+        let folder = tempfile::tempdir().unwrap();
+        let fifo = folder.path().join("fifo");
+        let made = std::process::Command::new("mkfifo").arg(&fifo).status();
+        assert!(made.unwrap().success());
+        let reader = std::thread::spawn({
+            let fifo = fifo.clone();
+            move || fs::read(fifo).unwrap()
+        });
+        check_outputs([&fifo], NONE).unwrap();
+        write(&fifo, b"through").unwrap();
+        assert_eq!(reader.join().unwrap(), b"through");
+        assert!(fs::symlink_metadata(&fifo).unwrap().file_type().is_fifo());
+        let null = Path::new("/dev/null");
+        write(null, b"gone").unwrap();
+        assert!(fs::metadata(null).unwrap().file_type().is_char_device());
+    }
+
+    #[test]
+    fn a_group_is_replaced_as_one_or_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("a"), b"old a").unwrap();
+        fs::create_dir(at("b")).unwrap();
+        let error = write_group(&[(&at("a"), b"new a"), (&at("b"), b"new b")]).unwrap_err();
+        assert!(format!("{error:#}").contains("it is a folder"), "{error:#}");
+        assert_eq!(text(&at("a")), "old a");
+        // Nothing temporary stays behind.
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn an_output_that_is_an_input_or_another_output_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("rig.toml"), b"rig").unwrap();
+        std::os::unix::fs::symlink("rig.toml", at("link")).unwrap();
+        let dotted = folder.path().join(".").join("rig.toml");
+        for output in [at("rig.toml"), at("link"), dotted] {
+            let error = check_outputs([&output], [&at("rig.toml")]).unwrap_err();
+            assert!(error.to_string().contains("input"), "{error:#}");
+        }
+        let twice = check_outputs([at("x"), at("x")], NONE).unwrap_err();
+        assert!(twice.to_string().contains("two outputs"), "{twice:#}");
+        check_outputs([at("x"), at("y")], [at("rig.toml")]).unwrap();
+    }
 }

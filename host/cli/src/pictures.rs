@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, RgbImage};
+use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
 
 use crate::files;
 
@@ -20,14 +20,7 @@ pub fn load_gray(path: &Path) -> anyhow::Result<GrayImage> {
 
 fn decode(path: &Path) -> anyhow::Result<DynamicImage> {
     let bytes = files::read(path)?;
-    let decoded = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(anyhow::Error::from)
-        .and_then(|reader| Ok(reader.decode()?));
-    decoded.with_context(|| {
-        let path = path.display();
-        format!("{path}: not a sound PNG, JPEG, PNM, BMP or TIFF")
-    })
+    tectum_capture::decode_picture(&bytes).with_context(|| path.display().to_string())
 }
 
 /// Refuses a picture that is not `needed` px.

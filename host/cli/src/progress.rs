@@ -1,6 +1,7 @@
 //! Progress on stderr, drawn only on a terminal.
 
 use std::borrow::Cow;
+use std::io::{self, Write};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -39,7 +40,16 @@ impl Progress {
 
     /// Prints a line that stays, above what is drawn.
     pub fn note(&self, line: &str) {
-        self.0.suspend(|| eprintln!("{line}"));
+        // Nobody may be there to read it; the work goes on all the same.
+        let whole = format!("{line}\n");
+        self.0
+            .suspend(|| drop(io::stderr().write_all(whole.as_bytes())));
+    }
+
+    /// Prints lines that stay, from another thread.
+    pub fn noter(&self) -> impl Fn(&str) + Send + use<> {
+        let bar = self.0.clone();
+        move |line| bar.suspend(|| eprintln!("{line}"))
     }
 
     /// Makes the bar longer.

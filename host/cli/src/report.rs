@@ -1,8 +1,10 @@
 //! What a verb has to say, to a person or to a script.
 
-use std::io::Write;
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Outcome of a verb that ran to its end.
 pub struct Report {
@@ -12,8 +14,6 @@ pub struct Report {
     pub json: Value,
     /// The verb did its work, and the answer is no.
     pub failure: Option<String>,
-    /// Stdout carries what the verb made: the report goes to stderr.
-    pub beside_output: bool,
 }
 
 impl Report {
@@ -23,7 +23,6 @@ impl Report {
             text,
             json,
             failure: None,
-            beside_output: false,
         }
     }
 }
@@ -40,18 +39,57 @@ impl std::fmt::Display for Usage {
 
 impl std::error::Error for Usage {}
 
-/// Prints a report, on stdout as a rule. A reader that went away (`| head`) is no error.
-pub fn print(report: &Report, json: bool) {
-    let text = if json {
-        report.json.to_string()
+/// Whether stdout carries what the verb makes (`-o -`).
+static STDOUT_IS_OUTPUT: AtomicBool = AtomicBool::new(false);
+
+/// From now on stdout carries what the verb makes: reports and errors under `--json` go to stderr.
+pub fn stdout_is_output() {
+    STDOUT_IS_OUTPUT.store(true, Ordering::Relaxed);
+}
+
+/// Prints a report.
+///
+/// # Errors
+/// Of the stream, as on a full disk. A reader that went away (`| head`) is no error.
+pub fn print(report: &Report, json: bool) -> io::Result<()> {
+    if json {
+        line(&report.json.to_string())
     } else {
-        report.text.trim_end().to_owned()
-    };
-    let _ = if report.beside_output {
-        writeln!(std::io::stderr(), "{text}")
+        line(report.text.trim_end())
+    }
+}
+
+/// Prints an error on stderr; under `--json` also as an object on stdout. An object that cannot be
+/// printed is passed over: the exit code and stderr say the same.
+pub fn print_error(error: &str, json: bool) {
+    // Under `-o -` stdout is the output's, and stderr has the words already.
+    if json && !STDOUT_IS_OUTPUT.load(Ordering::Relaxed) {
+        let _ = line(&json!({ "error": error }).to_string());
+    }
+    let _ = writeln!(io::stderr(), "error: {error}");
+}
+
+fn line(text: &str) -> io::Result<()> {
+    let written = if STDOUT_IS_OUTPUT.load(Ordering::Relaxed) {
+        writeln!(io::stderr(), "{text}")
     } else {
-        writeln!(std::io::stdout(), "{text}")
+        let mut stdout = io::stdout();
+        writeln!(stdout, "{text}").and_then(|()| stdout.flush())
     };
+    match written {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+/// A path for a script; what is not UTF-8 in it is replaced, as in what a person reads.
+pub fn path_json(path: impl AsRef<Path>) -> Value {
+    Value::from(path.as_ref().display().to_string())
+}
+
+/// Paths for a script.
+pub fn paths_json(paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Value {
+    paths.into_iter().map(path_json).collect()
 }
 
 /// The whole chain of an error in one message, without causes that a message already quotes.

@@ -8,12 +8,13 @@ use tectum_stitch::colour::tone_png;
 
 use crate::files;
 
-/// Names of the files.
+/// Digits of a picture's hash in its name.
+const HASH_DIGITS: usize = 8;
+
+/// A rig to be written. The pictures that it names have a part of their own hash in their names,
+/// so that writing a rig anew never changes a picture that the rig of before names.
 pub struct RigFiles {
     rig: PathBuf,
-    seam: PathBuf,
-    tone: PathBuf,
-    warp: PathBuf,
 }
 
 /// What `[stitching]` will hold.
@@ -30,59 +31,67 @@ pub struct Parts<'a> {
 impl RigFiles {
     /// The files of a rig that is written to `rig`.
     pub fn new(rig: &Path) -> Self {
-        let stem = rig.file_stem().unwrap_or_default().to_string_lossy();
-        let beside = |what: &str| rig.with_file_name(format!("{stem}-{what}.png"));
         Self {
             rig: rig.to_owned(),
-            seam: beside("seam"),
-            tone: beside("tone"),
-            warp: beside("warp"),
         }
     }
 
-    /// Every file that may be written.
-    pub fn all(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.seam, &self.tone, &self.warp, &self.rig].into_iter()
+    /// The rig's own file.
+    pub fn rig(&self) -> &Path {
+        &self.rig
     }
 
-    /// Writes the pictures, then the rig that names them, with a comment that says what it was made
-    /// `from`; the rig as it is read back.
-    pub fn write(&self, rig: &Rig, parts: &Parts, from: &str) -> anyhow::Result<Rig> {
+    /// Writes the pictures and the rig that names them, with a comment that says what it was made
+    /// `from`: all of them or nothing. The rig as it is read back, and the files that it consists of.
+    pub fn write(
+        &self,
+        rig: &Rig,
+        parts: &Parts,
+        from: &str,
+    ) -> anyhow::Result<(Rig, Vec<PathBuf>)> {
         let mut named = StitchingFile::default();
-        let write = |path: &Path, bytes: &[u8]| -> anyhow::Result<Option<NamedFile>> {
-            files::write(path, bytes)?;
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            Ok(Some(NamedFile::of(name.into_owned(), bytes)))
+        let mut pictures = Vec::new();
+        let mut add = |what: &str, bytes: Vec<u8>| {
+            let file = self.picture(what, &bytes);
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let entry = NamedFile::of(name.into_owned(), &bytes);
+            pictures.push((file, bytes));
+            Some(entry)
         };
         if let Some(png) = &parts.seam_png {
-            named.seam = write(&self.seam, png)?;
+            named.seam = add("seam", png.clone());
         }
         if let Some(curves) = parts.curves {
-            named.tone = write(&self.tone, &tone_png(curves)?)?;
+            named.tone = add("tone", tone_png(curves)?);
         }
         if let Some(warp) = parts.warp {
-            named.warp = write(&self.warp, &warp.png()?)?;
+            named.warp = add("warp", warp.png()?);
             named.warp_step_deg = Some(warp.step_deg());
         }
         let rig = rig.with_stitching(Stitching::default(), named);
         let text = format!(
-            "# Made by tectum {} from {from}.\n{}",
+            "# Made by tectum {} from {}.\n{}",
             env!("CARGO_PKG_VERSION"),
+            // A name with a line break must not end the comment.
+            from.replace(char::is_control, " "),
             rig.to_toml()?
         );
-        files::write(&self.rig, text.as_bytes())?;
-        Ok(Rig::load(&self.rig)?)
+        let mut group: Vec<(&Path, &[u8])> = pictures
+            .iter()
+            .map(|(file, bytes)| (&**file, &**bytes))
+            .collect();
+        group.push((&self.rig, text.as_bytes()));
+        files::write_group(&group)?;
+        let pictures = pictures.into_iter().map(|(file, _)| file);
+        let written = std::iter::once(self.rig.clone()).chain(pictures).collect();
+        Ok((Rig::load(&self.rig)?, written))
     }
 
-    /// The files that a rig of these parts consists of.
-    pub fn written(&self, parts: &Parts) -> Vec<&Path> {
-        let files = [
-            (true, &self.rig),
-            (parts.seam_png.is_some(), &self.seam),
-            (parts.curves.is_some(), &self.tone),
-            (parts.warp.is_some(), &self.warp),
-        ];
-        let written = files.into_iter().filter(|(written, _)| *written);
-        written.map(|(_, path)| &**path).collect()
+    /// `rig.toml` to `rig-seam-0123abcd.png`.
+    fn picture(&self, what: &str, bytes: &[u8]) -> PathBuf {
+        let stem = self.rig.file_stem().unwrap_or_default().to_string_lossy();
+        let hash = NamedFile::of(String::new(), bytes).sha256;
+        let name = format!("{stem}-{what}-{}.png", &hash[..HASH_DIGITS]);
+        self.rig.with_file_name(name)
     }
 }

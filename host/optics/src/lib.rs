@@ -11,6 +11,7 @@ pub mod design;
 mod field;
 mod front_element;
 pub mod io;
+mod limited;
 mod pose;
 pub mod projection;
 mod rig;
@@ -18,9 +19,10 @@ mod rig;
 pub use camera::{CameraModel, ModelError};
 pub use field::{Eye, Field, FieldError, SightError};
 pub use front_element::{FrontElement, FrontElementError, InWater, WATER_INDEX};
+pub use limited::read_limited;
 pub use pose::{Pose, Side, rotation_vector, vector_of_rotation};
-pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula};
+pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula, ViewRange};
 pub use rig::{
-    CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, SeamMap,
-    Stitching, StitchingFile, WarpMap, direction_at,
+    CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, RigOfEyeFiles,
+    SeamMap, Stitching, StitchingFile, WarpMap, direction_at,
 };

@@ -1,5 +1,9 @@
 //! What the stitched picture is: output pixel to direction and back, and nothing else.
 
+mod range;
+
+pub use range::ViewRange;
+
 use nalgebra::{Rotation3, Vector3};
 
 use crate::convention::{angle_between, yaw_pitch};
@@ -60,6 +64,24 @@ pub enum ProjectionError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// A range of yaw or pitch that no picture can show.
+    #[error("the range of {what} from {from_deg} to {to_deg} degrees is not allowed ({allowed})")]
+    Range {
+        /// Which angle.
+        what: &'static str,
+        /// Its first value.
+        from_deg: f64,
+        /// Its second value.
+        to_deg: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A projection about an axis, which has a field instead of ranges.
+    #[error(
+        "ranges of yaw and pitch go with the equirect, cylindrical and design projections: a \
+         fisheye or perspective picture has an axis and a field"
+    )]
+    NoRange,
     /// A width or height of 0.
     #[error("the picture must be at least 1x1 px")]
     Size,
@@ -68,6 +90,8 @@ pub enum ProjectionError {
     NoDesignPlane,
 }
 
+/// Greatest pitch of a cylinder's border, rad: its rows are tangents.
+const MAX_CYLINDER_PITCH_RAD: f64 = 1.44;
 /// A projection fitted to a picture: `u = u0 + x du`, `v = v0 + y dv`, then the formula, then the
 /// rotation into the body frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,7 +156,12 @@ impl Projection {
             Self::Equirect => (ViewFormula::Equirect, identity, TAU, PI),
             Self::Design(rotation) => (ViewFormula::Equirect, rotation, TAU, PI),
             Self::Cylindrical { half_height_rad } => {
-                check("half height", half_height_rad, 1.44, "above 0, below 82.5")?;
+                check(
+                    "half height",
+                    half_height_rad,
+                    MAX_CYLINDER_PITCH_RAD,
+                    "above 0, below 82.5",
+                )?;
                 (
                     ViewFormula::Cylindrical,
                     identity,
@@ -228,10 +257,23 @@ impl OutputMap {
             ViewFormula::Perspective if view.x > 0.0 => [-view.y / view.x, -view.z / view.x],
             ViewFormula::Perspective => return None,
         };
-        let position = [(u - self.u[0]) / self.u[1], (v - self.v[0]) / self.v[1]];
+        // A range of yaw may cross the back, where the angle starts anew.
+        let turns: &[f64] = match self.formula {
+            ViewFormula::Equirect | ViewFormula::Cylindrical => {
+                &[0.0, std::f64::consts::TAU, -std::f64::consts::TAU]
+            }
+            ViewFormula::Fisheye | ViewFormula::Perspective => &[0.0],
+        };
         let inside = |p: f64, side: u16| (-0.5..=f64::from(side) - 0.5).contains(&p);
-        (inside(position[0], self.size_px[0]) && inside(position[1], self.size_px[1]))
-            .then_some(position)
+        turns
+            .iter()
+            .map(|turn| {
+                [
+                    (u + turn - self.u[0]) / self.u[1],
+                    (v - self.v[0]) / self.v[1],
+                ]
+            })
+            .find(|[x, y]| inside(*x, self.size_px[0]) && inside(*y, self.size_px[1]))
     }
 }
 
@@ -258,10 +300,118 @@ mod tests {
                 width_rad: 1.7,
             },
         ];
-        projections
+        let parts = [
+            ([-2.3, 2.3], [-1.2, 0.9]),
+            // Across the back, and from a pole.
+            ([1.4, 4.9], [-std::f64::consts::FRAC_PI_2, 0.2]),
+            ([-6.0, -0.5], [-0.1, 1.1]),
+        ];
+        let mut maps: Vec<OutputMap> = projections
             .iter()
             .map(|p| p.output_map([64, 40]).unwrap())
-            .collect()
+            .collect();
+        for (yaw_rad, mut pitch_rad) in parts {
+            for projection in &projections[..3] {
+                if matches!(projection, Projection::Cylindrical { .. }) {
+                    pitch_rad = pitch_rad.map(|rad| rad.max(-1.4));
+                }
+                let range = ViewRange { yaw_rad, pitch_rad };
+                maps.push(projection.output_map_of_range([64, 40], &range).unwrap());
+            }
+        }
+        maps
+    }
+
+    #[test]
+    fn the_whole_range_is_the_whole_picture_to_the_bit() {
+        for projection in [
+            Projection::Equirect,
+            Projection::Design(rotation_vector(&Vector3::new(0.3, -0.8, 1.1))),
+            Projection::Cylindrical {
+                half_height_rad: 1.1,
+            },
+        ] {
+            for size_px in [[640, 320], [123, 77]] {
+                let whole = projection.whole_range().unwrap();
+                let part = projection.output_map_of_range(size_px, &whole).unwrap();
+                assert_eq!(part, projection.output_map(size_px).unwrap());
+                assert!(part.wraps());
+            }
+        }
+    }
+
+    #[test]
+    fn borders_of_a_range_are_borders_of_the_picture() {
+        let deg = |range: [f64; 2]| range.map(f64::to_radians);
+        let range = ViewRange {
+            yaw_rad: deg([90.0, 250.0]),
+            pitch_rad: deg([-60.0, 40.0]),
+        };
+        for projection in [
+            Projection::Equirect,
+            Projection::Cylindrical {
+                half_height_rad: 1.0,
+            },
+        ] {
+            let map = projection.output_map_of_range([320, 200], &range).unwrap();
+            assert!(!map.wraps());
+            let found = map.range().unwrap();
+            for (found, wanted) in [
+                (found.yaw_rad, range.yaw_rad),
+                (found.pitch_rad, range.pitch_rad),
+            ] {
+                for k in 0..2 {
+                    assert!((found[k] - wanted[k]).abs() < 1e-12, "{found:?} {wanted:?}");
+                }
+            }
+            // 250 degrees is -110: on the left border, and 90 on the right one.
+            let at = |yaw: f64| {
+                let direction = crate::convention::direction(yaw.to_radians(), 0.0);
+                map.pixel(&direction).map(|[x, _]| x)
+            };
+            assert!((at(-110.001).unwrap() + 0.5).abs() < 0.01);
+            assert!((at(90.001).unwrap() - 319.5).abs() < 0.01);
+            assert_eq!(at(89.0), None);
+            assert_eq!(at(-109.0), None);
+        }
+    }
+
+    #[test]
+    fn ranges_that_no_picture_can_show_are_refused() {
+        let turn = [-3.0, 3.0];
+        let rows = [-1.0, 1.0];
+        for (yaw_rad, pitch_rad) in [
+            ([1.0, 1.0], rows),
+            ([2.0, -2.0], rows),
+            ([-4.0, 4.0], rows),
+            ([-7.0, -6.0], rows),
+            ([f64::NAN, 1.0], rows),
+            (turn, [0.5, -0.5]),
+            (turn, [-1.6, 0.0]),
+            (turn, [-1.0, f64::INFINITY]),
+        ] {
+            let range = ViewRange { yaw_rad, pitch_rad };
+            let refused = Projection::Equirect.output_map_of_range([64, 32], &range);
+            assert!(
+                matches!(refused, Err(ProjectionError::Range { .. })),
+                "{range:?}"
+            );
+        }
+        let range = ViewRange {
+            yaw_rad: turn,
+            pitch_rad: [-1.5, 1.5],
+        };
+        let cylinder = Projection::Cylindrical {
+            half_height_rad: 1.0,
+        };
+        let refused = cylinder.output_map_of_range([64, 32], &range);
+        assert!(matches!(refused, Err(ProjectionError::Range { .. })));
+        let axis = Projection::Perspective {
+            rotation: Rotation3::identity(),
+            width_rad: 1.0,
+        };
+        let refused = axis.output_map_of_range([64, 32], &range);
+        assert_eq!(refused, Err(ProjectionError::NoRange));
     }
 
     #[test]

@@ -84,7 +84,7 @@ fn ocamcalib_files_round_trip_and_agree_with_their_inverse_polynomials() {
         assert!(difference < allowed_px, "{path}: {difference} px");
         // An inverse polynomial fitted here meets the toolbox's bound on every one of them; 0.0001
         // px for points between those that the fit was checked at.
-        let ours = OcamCalib::from_model(&model, calib.size_px);
+        let ours = OcamCalib::from_model(&model, calib.size_px).unwrap();
         let difference = difference_px(&ours, model, half_angle_deg);
         let degree = ours.inverse_polynomial.len() - 1;
         println!("{path}: {difference:.4} px with ours, of degree {degree}");

@@ -202,6 +202,7 @@ fn compare(name: &str, rig: &Rig, eyes: &Eyes<RgbImage>, truth: Option<&RgbImage
 }
 
 #[test]
+#[ignore = "campaign registration: a real pair aligned and measured, a third of a minute"]
 fn a_real_seam_gets_no_worse_by_alignment() {
     let Some((rig, eyes)) = real("dual-fisheye-210", "dual-fisheye-210/fishcam1.jpg") else {
         return;

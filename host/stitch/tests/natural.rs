@@ -104,7 +104,7 @@ fn opposite_eyes_share_features() {
 }
 
 #[test]
-#[ignore = "all frames and matchers: minutes"]
+#[ignore = "campaign registration: all frames and matchers, minutes"]
 fn features_beside_opencv() {
     let Some(folder) = data("rig220-sweepnet") else {
         return;
@@ -155,7 +155,7 @@ fn registered(folder: &Path, cameras: [usize; 2]) -> [f64; 2] {
 }
 
 #[test]
-#[ignore = "features of 18 pictures, twice: a minute"]
+#[ignore = "campaign registration: features of 18 pictures, twice, a minute"]
 fn markerless_registration_finds_the_published_poses() {
     let Some(folder) = data("rig220-sweepnet") else {
         return;
@@ -171,7 +171,7 @@ fn markerless_registration_finds_the_published_poses() {
 }
 
 #[test]
-#[ignore = "features of big pictures: half a minute"]
+#[ignore = "campaign registration: features of big pictures, half a minute"]
 fn swapped_eyes_are_refused() {
     let Some(folder) = data("rig220-sweepnet") else {
         return;

@@ -3,7 +3,7 @@
 use tectum_bake::reference::{overlay, position_q8, quantised};
 use tectum_bake::{Format, Pair, Pass, draw_overlay, stitch};
 use tectum_core::{Eye, Sampler, Tables};
-use tectum_exact::{frame, rng, table};
+use tectum_exact::{cases, frame, rng, table};
 
 /// Stitches random frames with random table `seed` in every format given and compares bytes.
 fn core_equals_reference(seed: u64, max_px: [u16; 2], formats: &[Format]) {
@@ -45,7 +45,7 @@ fn core_equals_reference(seed: u64, max_px: [u16; 2], formats: &[Format]) {
 
 #[test]
 fn thousands_of_small_tables() {
-    for seed in 0..20_000 {
+    for seed in 0..cases(20_000) {
         core_equals_reference(seed, [24, 3], &[Format::Gray8]);
     }
 }
@@ -60,7 +60,7 @@ fn hundred_thousand_small_tables() {
 
 #[test]
 fn all_formats_over_odd_sizes() {
-    for seed in 0..2_000 {
+    for seed in 0..cases(2_000) {
         core_equals_reference(seed, [70, 9], &Format::ALL);
     }
 }
@@ -75,7 +75,7 @@ fn tall_and_wide_tables() {
 
 #[test]
 fn segments_start_anywhere_in_a_cell() {
-    for seed in 0..300 {
+    for seed in 0..cases(300) {
         let mut rng = rng(seed);
         let bytes = table(&mut rng, [70, 40]).to_bytes().expect("few runs");
         let tables = Tables::parse(&bytes).expect("valid by construction");
@@ -100,7 +100,7 @@ fn segments_start_anywhere_in_a_cell() {
 
 #[test]
 fn a_constant_picture_stays_constant() {
-    for seed in 0..500 {
+    for seed in 0..cases(500) {
         let mut rng = rng(seed);
         let mut builder = table(&mut rng, [40, 8]);
         // A constant tone is as good as none.

@@ -1,5 +1,5 @@
 //! How good and how honest calibrations are, at length:
-//! `cargo test --release -p tectum-tests --test calibration_campaign -- --ignored --nocapture`
+//! `cargo xtask campaign choice`
 //! prints the tables. The ordinary tests run a small part of each.
 
 mod sets;

@@ -109,7 +109,7 @@ fn choice_on_two_subsets() {
 }
 
 #[test]
-#[ignore = "minutes: hundreds of calibrations"]
+#[ignore = "campaign choice: hundreds of calibrations, minutes"]
 fn choice_on_random_subsets() {
     let seeds = 3;
     let sets = real("");

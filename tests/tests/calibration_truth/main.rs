@@ -77,10 +77,9 @@ fn eyes_their_relative_pose_and_directions_are_the_true_ones(medium: Medium) {
         let alone = direction_errors_deg(&result.model, eye);
         let joint = if index == 0 { &tied.left } else { &tied.right };
         let joint = direction_errors_deg(joint, eye);
-        let CameraModel::Ocam(lens) = &result.model else {
-            panic!("a polynomial was asked for")
-        };
-        let centre = [0, 1].map(|k: usize| lens.centre_px[k] - eye.centre_px[k]);
+        // Whichever family was chosen: where the lens sees along its axis.
+        let axis = result.model.project(&Vector3::z()).expect("in the picture");
+        let centre = [0, 1].map(|k: usize| axis[k] - eye.centre_px[k]);
         let centre_px = libm::hypot(centre[0], centre[1]);
         println!(
             "{}: {} pictures, {} corners to {:.1} degrees, {:.3} px RMS; directions {:.4} RMS, \

@@ -8,6 +8,8 @@ use super::lines::{Axis, Isoline, Point};
 /// Label in degrees at a place of the picture.
 #[derive(Debug, Clone)]
 pub struct Label {
+    /// What it says.
+    pub text: String,
     /// Left column and top row, px.
     pub at_px: [u16; 2],
     /// Glyphs and their columns from there, px.
@@ -189,6 +191,7 @@ fn label(at: Point, text: &str, font: &Font, taken: &Taken, interrupts: bool) ->
     let right = (x + i32::from(width) + border).max(x + cells);
     let covers = [x - border, y - border, right, bottom];
     taken.is_free(covers).then(|| Label {
+        text: text.to_owned(),
         at_px: [x as u16, y as u16],
         glyphs,
         covers: covers.map(f64::from),

@@ -1,7 +1,7 @@
 //! Lines of equal yaw and pitch on a picture, as few straight pieces.
 
-use tectum_optics::OutputMap;
 use tectum_optics::convention::direction;
+use tectum_optics::{OutputMap, ViewFormula};
 use tectum_tables::builder::BandData;
 use tectum_tables::{BAND_ROWS, LINE_UNITS, OverlayLine};
 
@@ -12,6 +12,8 @@ pub type Point = [f64; 2];
 const TOLERANCE_PX: f64 = 0.3;
 /// Greatest distance of a line from the chain that it is kept as before it is cut, px.
 const CHAIN_TOLERANCE_PX: f64 = 0.05;
+/// A part of the sphere takes more points along a line than the whole would, but no more than this.
+const ENOUGH_POINTS: f64 = 65_536.0;
 /// Yaw lines closer than this to each other are not drawn, but for those of the axes.
 const CROWDED_PX: f64 = 8.0;
 
@@ -82,8 +84,20 @@ fn trace(map: &OutputMap, axis: Axis, degrees: f64, step_deg: f64) -> Vec<Vec<Po
         Axis::Yaw => (-90.0, 90.0),
         Axis::Pitch => (-180.0, 180.0),
     };
-    // Some four points a pixel, where the picture is not stretched.
-    let count = (8.0 * width.max(height)) as u32;
+    // Some four points a pixel, where the picture is not stretched; of a part as many as of the whole.
+    let parts = map.range().map_or(1.0, |range| {
+        let extent = |[from, to]: [f64; 2]| to - from;
+        let turns = std::f64::consts::TAU / extent(range.yaw_rad);
+        let heights = std::f64::consts::PI / extent(range.pitch_rad);
+        // A cylinder's rows end before the poles, which makes no part of it.
+        let heights = match map.formula {
+            ViewFormula::Equirect => heights,
+            _ => 1.0,
+        };
+        libm::round(turns.max(heights)).max(1.0)
+    });
+    let whole = 8.0 * width.max(height);
+    let count = (whole * parts).min(whole.max(ENOUGH_POINTS)) as u32;
     let mut chains = Vec::new();
     let mut chain: Vec<Point> = Vec::new();
     for i in 0..=count {

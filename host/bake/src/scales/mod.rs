@@ -6,6 +6,9 @@
 mod glyphs;
 mod labels;
 mod lines;
+mod svg;
+
+pub use svg::scales_svg;
 
 use serde::Serialize;
 use tectum_core::{Overlay, TableError, Tables};
@@ -16,7 +19,7 @@ use tectum_tables::Tag;
 use tectum_tables::builder::{BandData, OverlayData, OverlayTooLong, with_section};
 
 use self::glyphs::Font;
-use self::labels::{Label, Taken};
+use self::labels::{Label, Labels, Taken};
 use self::lines::{Isoline, add_to_bands, isolines, outside};
 use crate::{Baked, Format, draw_overlay, output_map};
 
@@ -73,23 +76,8 @@ impl Scales {
     /// # Errors
     /// [`ScalesError`] if the step is out of range or gives too many lines.
     pub fn new(map: &OutputMap, step_deg: f64) -> Result<Self, ScalesError> {
-        if !STEP_DEG.contains(&step_deg) {
-            return Err(ScalesError::Step(step_deg));
-        }
-        let mut lines = isolines(map, step_deg);
         let font = Font::for_width(map.size_px[0]);
-        let bare = section(map, &lines, &font, &[])?;
-        let labels = labels::place(map, &lines, &font, drawn(&bare, map)?);
-        // Where a line ends, half its thickness and its edge go on.
-        let reach = f64::from(line_px(map.size_px[0])) / 2.0 + 1.0;
-        for label in labels.placed.iter().filter(|label| label.interrupts) {
-            let [left, top, right, bottom] = label.covers;
-            let gap = [left - reach, top - reach, right + reach, bottom + reach];
-            for line in &mut lines {
-                let chains = line.chains.iter();
-                line.chains = chains.flat_map(|chain| outside(chain, gap)).collect();
-            }
-        }
+        let (lines, labels) = layout(map, step_deg, &font)?;
         let bytes = section(map, &lines, &font, &labels.placed)?;
         Overlay::parse(&bytes, map.size_px).map_err(ScalesError::Proof)?;
         Ok(Self {
@@ -138,6 +126,31 @@ impl Baked {
         report.scales = Some(scales.report);
         Ok(Self { bytes, report })
     }
+}
+
+/// Lines, with gaps where labels stand in them, and labels in `font`.
+fn layout(
+    map: &OutputMap,
+    step_deg: f64,
+    font: &Font,
+) -> Result<(Vec<Isoline>, Labels), ScalesError> {
+    if !STEP_DEG.contains(&step_deg) {
+        return Err(ScalesError::Step(step_deg));
+    }
+    let mut lines = isolines(map, step_deg);
+    let bare = section(map, &lines, font, &[])?;
+    let labels = labels::place(map, &lines, font, drawn(&bare, map)?);
+    // Where a line ends, half its thickness and its edge go on.
+    let reach = f64::from(line_px(map.size_px[0])) / 2.0 + 1.0;
+    for label in labels.placed.iter().filter(|label| label.interrupts) {
+        let [left, top, right, bottom] = label.covers;
+        let gap = [left - reach, top - reach, right + reach, bottom + reach];
+        for line in &mut lines {
+            let chains = line.chains.iter();
+            line.chains = chains.flat_map(|chain| outside(chain, gap)).collect();
+        }
+    }
+    Ok((lines, labels))
 }
 
 /// Thickness of lines in a picture `width_px` wide, px.

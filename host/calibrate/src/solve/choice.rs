@@ -25,7 +25,7 @@ pub struct Candidate<'a> {
     pub held_out: Option<Vec<f64>>,
     /// 2-D RMS over every corner of the held-out views, outliers included, px.
     pub held_out_all_rms_px: Option<f64>,
-    /// The camera, or why it is none that can be chosen.
+    /// The camera, or why it cannot be chosen.
     pub camera: Result<CameraModel, String>,
 }
 
@@ -219,7 +219,7 @@ const INDEPENDENT_A_VIEW: f64 = 4.0;
 /// Weight of held-out residuals beside those of the fit, with few views.
 const HELD_OUT_WEIGHT: f64 = 0.75;
 
-/// Index of the candidate that the result is made of; `None` if there is none of the model wanted.
+/// Index of the candidate that the result is made of; `None` where no candidate is of the model wanted.
 /// Candidates come simplest first.
 pub fn choose(candidates: &[Candidate<'_>], model: Option<Model>) -> Option<usize> {
     let wanted = |model: Option<Model>| -> Vec<usize> {

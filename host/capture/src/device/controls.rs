@@ -1,7 +1,7 @@
 //! Exposure, gain and white balance, the same on both eyes.
 
-use std::io;
 use std::path::Path;
+use std::{fmt, io};
 
 use v4l::control::Value;
 use v4l::{Control, Device};
@@ -16,6 +16,9 @@ const GAIN: u32 = 0x0098_0913;
 const WHITE_BALANCE_K: u32 = 0x0098_091a;
 const AUTO_EXPOSURE: u32 = 0x009a_0901;
 const EXPOSURE: u32 = 0x009a_0902;
+/// `V4L2_CID_EXPOSURE_AUTO_PRIORITY`, which UVC cameras call `exposure_dynamic_framerate`: whether
+/// the automatic may lower the frame rate in the dark.
+const DYNAMIC_FRAME_RATE: u32 = 0x009a_0903;
 /// `V4L2_EXPOSURE_MANUAL`.
 const MANUAL_EXPOSURE: i64 = 1;
 
@@ -35,6 +38,7 @@ impl ControlSettings {
     pub(super) fn apply(&self, device: &Device) -> io::Result<()> {
         if let Some(exposure) = self.exposure {
             set_if_there(device, AUTO_EXPOSURE, Value::Integer(MANUAL_EXPOSURE))?;
+            set_if_there(device, DYNAMIC_FRAME_RATE, Value::Boolean(false))?;
             set(device, EXPOSURE, exposure)?;
         }
         if let Some(gain) = self.gain {
@@ -49,7 +53,7 @@ impl ControlSettings {
     }
 
     /// What a device has now, of those that it has.
-    fn of(device: &Device) -> Self {
+    pub(super) fn of(device: &Device) -> Self {
         let value = |id| match device.control(id) {
             Ok(Control {
                 value: Value::Integer(value),
@@ -61,6 +65,19 @@ impl ControlSettings {
             exposure: value(EXPOSURE),
             gain: value(GAIN),
             white_balance_k: value(WHITE_BALANCE_K),
+        }
+    }
+
+    /// Of what devices have, what the first has in those controls that all have.
+    pub(super) fn common(present: &[Self]) -> Self {
+        let common = |pick: fn(&Self) -> Option<i64>| {
+            let all_have = present.iter().all(|has| pick(has).is_some());
+            present.first().and_then(pick).filter(|_| all_have)
+        };
+        Self {
+            exposure: common(|has| has.exposure),
+            gain: common(|has| has.gain),
+            white_balance_k: common(|has| has.white_balance_k),
         }
     }
 }
@@ -78,42 +95,57 @@ fn set_if_there(device: &Device, id: u32, value: Value) -> io::Result<()> {
     }
 }
 
-/// Gives both eyes the same exposure, gain and white balance and turns their automatics off: the
-/// `asked` values and, with `the_rest_too`, for the others what the left eye has at this moment,
-/// where both have it.
+impl fmt::Display for ControlSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parts = [
+            self.exposure
+                .map(|v| format!("exposure {} ms", v as f64 / 10.0)),
+            self.gain.map(|v| format!("gain {v}")),
+            self.white_balance_k.map(|v| format!("white balance {v} K")),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        if parts.is_empty() {
+            return f.write_str("none");
+        }
+        f.write_str(&parts.join(", "))
+    }
+}
+
+/// Gives all of these cameras the same exposure, gain and white balance and turns their automatics
+/// off: the `asked` values and, with `the_rest_too`, for the others what the first has at this
+/// moment, where all have it; then none may lower its frame rate in the dark either. What was set;
+/// nothing, where the cameras have no such controls.
 ///
 /// # Errors
 /// [`CaptureError::NotOffered`] if an asked value is refused.
 pub fn lock_together(
-    left: &mut Camera,
-    right: &mut Camera,
+    cameras: &mut [&mut Camera],
     asked: ControlSettings,
     the_rest_too: bool,
 ) -> Result<ControlSettings, CaptureError> {
-    let open = |path: &Path| {
+    let open = |camera: &&mut Camera| {
+        let path: &Path = &camera.path;
         Device::with_path(path).map_err(|e| failure::of(path, "opening its controls", e))
     };
-    let devices = [open(&left.path)?, open(&right.path)?];
-    let [of_left, of_right] = [&devices[0], &devices[1]].map(ControlSettings::of);
-    let both = |pick: fn(&ControlSettings) -> Option<i64>| {
-        let of_left = pick(&of_left).filter(|_| the_rest_too && pick(&of_right).is_some());
-        pick(&asked).or(of_left)
+    let devices = cameras.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+    let present: Vec<_> = devices.iter().map(ControlSettings::of).collect();
+    let common = if the_rest_too {
+        ControlSettings::common(&present)
+    } else {
+        ControlSettings::default()
     };
     let settings = ControlSettings {
-        exposure: both(|s| s.exposure),
-        gain: both(|s| s.gain),
-        white_balance_k: both(|s| s.white_balance_k),
+        exposure: asked.exposure.or(common.exposure),
+        gain: asked.gain.or(common.gain),
+        white_balance_k: asked.white_balance_k.or(common.white_balance_k),
     };
-    for (device, camera) in devices.iter().zip([&mut *left, &mut *right]) {
+    for (device, camera) in devices.iter().zip(cameras) {
         settings
             .apply(device)
             .map_err(|_| CaptureError::NotOffered {
                 name: camera.name.clone(),
-                wanted: format!(
-                    "exposure {:?}, gain {:?}, white balance {:?}",
-                    settings.exposure, settings.gain, settings.white_balance_k
-                ),
-                offered: format!("  now: {:?}\n", ControlSettings::of(device)),
+                wanted: format!("the controls: {settings}"),
+                offered: format!("  now: {}\n", ControlSettings::of(device)),
             })?;
         camera.keep_controls(settings);
     }

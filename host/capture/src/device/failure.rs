@@ -25,8 +25,9 @@ pub(super) fn of(path: &Path, doing: &'static str, error: io::Error) -> CaptureE
         // A USB bus without room for both cameras' data.
         Some(ENOSPC) => CaptureError::Driver {
             name,
-            doing: "starting (the USB bus has no room: use another port, a smaller --frame-size, or \
-                    --pixel-format MJPG)",
+            doing: "starting (the USB bus has no room for what this camera would send: put it on \
+                    another port, one of another controller, or give a smaller --frame-size, a \
+                    lower --rate or --pixel-format MJPG)",
             source: error,
         },
         Some(EINVAL) if doing == "asking what it is" => {
@@ -39,6 +40,11 @@ pub(super) fn of(path: &Path, doing: &'static str, error: io::Error) -> CaptureE
             source: error,
         },
     }
+}
+
+/// Whether the driver does not know what it was asked for.
+pub(super) fn is_unknown_request(error: &io::Error) -> bool {
+    error.raw_os_error() == Some(ENOTTY)
 }
 
 /// The device at `path` is something else.

@@ -4,20 +4,22 @@ use std::path::{Path, PathBuf};
 
 use super::negotiate;
 
-/// A camera that is there.
+/// A device node that is there.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Listed {
     /// Node, such as `/dev/video0`; changes with the order of plugging in.
     pub node: PathBuf,
     /// Names that stay: by the camera's own number first, then by the port it is in.
     pub stable_names: Vec<PathBuf>,
-    /// What it calls itself.
+    /// What it calls itself; empty where it cannot be used.
     pub product: String,
-    /// Formats and sizes, a line each.
+    /// Formats with sizes and their rates, a line each.
     pub offered: String,
+    /// Why it cannot be used, for a node that cannot.
+    pub unusable: Option<String>,
 }
 
-/// All cameras that can be opened, by node.
+/// All video nodes: cameras, and what cannot be used as one with the reason.
 pub fn list() -> Vec<Listed> {
     let mut nodes: Vec<PathBuf> = entries(Path::new("/dev"))
         .into_iter()
@@ -30,14 +32,17 @@ pub fn list() -> Vec<Listed> {
     nodes.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
     nodes
         .into_iter()
-        .filter_map(|node| {
-            let (product, offered) = negotiate::description(&node).ok()?;
-            Some(Listed {
+        .map(|node| {
+            let described = negotiate::description(&node);
+            let unusable = described.as_ref().err().map(ToString::to_string);
+            let (product, offered) = described.unwrap_or_default();
+            Listed {
                 stable_names: stable_names(&node),
                 node,
                 product,
                 offered,
-            })
+                unusable,
+            }
         })
         .collect()
 }

@@ -6,19 +6,29 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use v4l::capability::Flags;
-use v4l::format::{Colorspace, Quantization};
+use v4l::frameinterval::FrameIntervalEnum;
 use v4l::framesize::FrameSizeEnum;
 use v4l::video::Capture;
-use v4l::video::capture::Parameters;
-use v4l::{Device, Format, FourCC};
+use v4l::{Device, FourCC};
 
+use super::driver::{Driver, PictureFormat};
 use super::failure;
 use crate::{CaptureError, FrameFormat, Layout};
+
+/// `V4L2_FIELD_ANY` and `V4L2_FIELD_NONE` of <linux/videodev2.h>: not interlaced.
+const FIELD_ANY: u32 = 0;
+const FIELD_NONE: u32 = 1;
+/// `V4L2_QUANTIZATION_*`.
+const QUANTIZATION_FULL: u32 = 1;
+const QUANTIZATION_LIMITED: u32 = 2;
+/// `V4L2_COLORSPACE_JPEG`.
+const COLORSPACE_JPEG: u32 = 7;
 
 /// What is asked of a camera; what is left open is the camera's choice.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Wanted {
-    /// Layout; without one the first of [`Layout::ALL`] that it offers.
+    /// Layout; without one the first of [`Layout::ALL`] that it offers in the size and at the rate
+    /// asked for.
     pub layout: Option<Layout>,
     /// Width and height, px.
     pub size_px: Option<[u16; 2]>,
@@ -29,172 +39,303 @@ pub struct Wanted {
 /// A camera with its format set.
 pub(super) struct Agreed {
     pub device: Device,
+    pub driver: Driver,
     pub product: String,
     pub format: FrameFormat,
+    /// Planes of a frame that come in buffers of their own.
+    pub planes: usize,
     pub period_ns: Option<u64>,
 }
 
-/// Opens the camera and sets its format.
-pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError> {
-    use std::os::unix::fs::FileTypeExt;
-    let kind = std::fs::metadata(path).map_err(|e| failure::of(path, "opening", e))?;
-    if !kind.file_type().is_char_device() {
-        return Err(failure::not_capture(path, "it is a file"));
+/// A device that gives pictures into mapped buffers.
+struct Opened {
+    device: Device,
+    driver: Driver,
+    product: String,
+    /// Layouts that are both offered and known, in the order of [`Layout::ALL`], with the driver's
+    /// code for each.
+    offered: Vec<(Layout, [u8; 4])>,
+}
+
+impl Opened {
+    fn new(path: &Path) -> Result<Self, CaptureError> {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = std::fs::metadata(path).map_err(|e| failure::of(path, "opening", e))?;
+        if !kind.file_type().is_char_device() {
+            return Err(failure::not_capture(path, "it is a file"));
+        }
+        let device = Device::with_path(path).map_err(|e| failure::of(path, "opening", e))?;
+        let caps = readable(|| device.query_caps())
+            .map_err(|e| failure::of(path, "asking what it is", e))?;
+        let has = |flag| caps.capabilities.contains(flag);
+        if !has(Flags::VIDEO_CAPTURE) && !has(Flags::VIDEO_CAPTURE_MPLANE) {
+            let why = if has(Flags::META_CAPTURE) {
+                "it gives data about a camera's pictures, not the pictures".to_owned()
+            } else {
+                format!(
+                    "\"{}\" takes or processes pictures, it does not give them",
+                    caps.card
+                )
+            };
+            return Err(failure::not_capture(path, &why));
+        }
+        if !has(Flags::STREAMING) {
+            return Err(failure::not_capture(
+                path,
+                "it cannot stream into mapped buffers",
+            ));
+        }
+        let driver = Driver::new(device.handle(), !has(Flags::VIDEO_CAPTURE));
+        let formats = driver
+            .formats()
+            .map_err(|e| failure::of(path, "asking what it offers", e))?;
+        let offered = Layout::ALL.into_iter().filter_map(|layout| {
+            let codes = codes(layout);
+            let code = codes.into_iter().find(|code| formats.contains(code))?;
+            Some((layout, code))
+        });
+        Ok(Self {
+            offered: offered.collect(),
+            device,
+            driver,
+            product: caps.card,
+        })
     }
-    let device = Device::with_path(path).map_err(|e| failure::of(path, "opening", e))?;
-    let caps =
-        readable(|| device.query_caps()).map_err(|e| failure::of(path, "asking what it is", e))?;
-    if !caps.capabilities.contains(Flags::VIDEO_CAPTURE) {
-        let planar = caps.capabilities.contains(Flags::VIDEO_CAPTURE_MPLANE);
-        let why = if planar {
-            "it gives its planes in separate buffers, which is not supported".to_owned()
-        } else {
-            format!(
-                "\"{}\" takes or processes pictures, it does not give them",
-                caps.card
-            )
+
+    /// Rates that are offered for a size of a layout, Hz, fastest first; empty where the driver
+    /// does not say.
+    fn rates_hz(&self, code: [u8; 4], [width, height]: [u32; 2]) -> Vec<[f64; 2]> {
+        let ask = || {
+            self.device
+                .enum_frameintervals(FourCC::new(&code), width, height)
         };
-        return Err(failure::not_capture(path, &why));
+        let intervals = readable(ask).unwrap_or_default();
+        let hz = |n: u32, d: u32| f64::from(d) / f64::from(n.max(1));
+        let mut rates: Vec<[f64; 2]> = intervals
+            .iter()
+            .map(|interval| match &interval.interval {
+                FrameIntervalEnum::Discrete(i) => [hz(i.numerator, i.denominator); 2],
+                FrameIntervalEnum::Stepwise(step) => [
+                    hz(step.max.numerator, step.max.denominator),
+                    hz(step.min.numerator, step.min.denominator),
+                ],
+            })
+            .collect();
+        rates.sort_by(|a, b| b[1].total_cmp(&a[1]));
+        rates
     }
-    if !caps.capabilities.contains(Flags::STREAMING) {
-        return Err(failure::not_capture(
-            path,
-            "it cannot stream into mapped buffers",
-        ));
+
+    /// Tries one layout; `None` if the camera has it in another size or rate only.
+    fn agree(
+        &self,
+        path: &Path,
+        code: [u8; 4],
+        size_px: [u32; 2],
+        rate_hz: Option<u32>,
+    ) -> Result<Option<(PictureFormat, Option<u64>)>, CaptureError> {
+        let set = self
+            .driver
+            .set_format(code, size_px)
+            .map_err(|e| failure::of(path, "setting its format", e))?;
+        if set.fourcc != code || set.size_px != size_px {
+            return Ok(None);
+        }
+        let Some(hz) = rate_hz else {
+            // Cameras that cannot say are timed by their frames alone.
+            return Ok(Some((set, self.driver.period_ns().ok().flatten())));
+        };
+        if !offers_rate(&self.rates_hz(code, size_px), hz) {
+            return Ok(None);
+        }
+        let period_ns = match self.driver.set_rate(hz) {
+            Ok(period_ns) => period_ns,
+            // Devices behind a processor's own image pipeline often cannot be asked for a rate.
+            Err(error) if failure::is_unknown_request(&error) => None,
+            Err(error) => return Err(failure::of(path, "setting its frame rate", error)),
+        };
+        let is_close = period_ns.is_some_and(|ns| is_close(1e9 / ns as f64, hz));
+        Ok(is_close.then_some((set, period_ns)))
     }
-    let offered = offered(path, &device)?;
+
+    /// A line for each layout with its sizes and their rates.
+    fn describe(&self) -> String {
+        let mut text = String::new();
+        for (layout, code) in &self.offered {
+            let sizes = readable(|| self.device.enum_framesizes(FourCC::new(code)));
+            let sizes: Vec<String> = sizes
+                .unwrap_or_default()
+                .into_iter()
+                .map(|size| match size.size {
+                    FrameSizeEnum::Discrete(size) => {
+                        let rates = self.rates_hz(*code, [size.width, size.height]);
+                        format!("{}x{}{}", size.width, size.height, rates_text(&rates))
+                    }
+                    FrameSizeEnum::Stepwise(size) => {
+                        let rates = self.rates_hz(*code, [size.max_width, size.max_height]);
+                        format!(
+                            "{}x{} to {}x{}{}",
+                            size.min_width,
+                            size.min_height,
+                            size.max_width,
+                            size.max_height,
+                            rates_text(&rates)
+                        )
+                    }
+                })
+                .collect();
+            let sizes = if sizes.is_empty() {
+                "sizes not stated".to_owned()
+            } else {
+                sizes.join(", ")
+            };
+            let _ = writeln!(text, "  {layout}: {sizes}");
+        }
+        text
+    }
+}
+
+/// Whether a camera's rate is the one asked for: it may choose the next that it has, but a tenth
+/// off is another rate.
+fn is_close(hz: f64, asked_hz: u32) -> bool {
+    (hz / f64::from(asked_hz) - 1.0).abs() < 0.1
+}
+
+/// Whether ranges of rates (slowest and fastest, Hz) hold the one asked for; a camera that states
+/// none may have it.
+fn offers_rate(ranges_hz: &[[f64; 2]], asked_hz: u32) -> bool {
+    ranges_hz.is_empty()
+        || ranges_hz.iter().any(|[slowest, fastest]| {
+            is_close(
+                f64::from(asked_hz).clamp(*slowest, fastest.max(*slowest)),
+                asked_hz,
+            )
+        })
+}
+
+/// ` (30, 15 Hz)`; nothing where nothing is known.
+fn rates_text(ranges_hz: &[[f64; 2]]) -> String {
+    let rates: Vec<String> = ranges_hz
+        .iter()
+        .map(|[slowest, fastest]| {
+            let short = |hz: f64| format!("{}", (hz * 100.0).round() / 100.0);
+            if slowest == fastest {
+                short(*fastest)
+            } else {
+                format!("{} to {}", short(*slowest), short(*fastest))
+            }
+        })
+        .collect();
+    if rates.is_empty() {
+        String::new()
+    } else {
+        format!(" ({} Hz)", rates.join(", "))
+    }
+}
+
+/// Opens the camera and sets its format: the first layout that it has in the size and at the rate
+/// asked for.
+pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError> {
+    let opened = Opened::new(path)?;
     let refuse = |wanted: String| CaptureError::NotOffered {
         name: path.display().to_string(),
         wanted,
-        offered: describe(&device, &offered),
+        offered: opened.describe(),
     };
-    let layout = match wanted.layout {
-        Some(layout) if offered.contains(&layout) => layout,
-        Some(layout) => return Err(refuse(format!("pixel format {layout}"))),
-        None => *offered.first().ok_or_else(|| {
-            refuse("any pixel format that tectum reads (YUYV, GREY, RGBP, RGB3, NV12, MJPG)".into())
-        })?,
+    let size_px = match wanted.size_px {
+        Some(size_px) => size_px.map(u32::from),
+        None => {
+            let present = opened.driver.format();
+            present
+                .map_err(|e| failure::of(path, "asking for its format", e))?
+                .size_px
+        }
     };
-    let present =
-        readable(|| device.format()).map_err(|e| failure::of(path, "asking for its format", e))?;
-    let [width, height] = match wanted.size_px {
-        Some(size) => size.map(u32::from),
-        None => [present.width, present.height],
-    };
-    let asked = Format::new(width, height, fourcc(layout));
-    let set = readable(|| device.set_format(&asked))
-        .map_err(|e| failure::of(path, "setting its format", e))?;
-    if set.fourcc != asked.fourcc || (set.width, set.height) != (width, height) {
-        return Err(refuse(format!("{layout} in {width}x{height} px")));
+    let suits = |layout: Layout| wanted.layout.is_none_or(|asked| asked == layout);
+    let candidates: Vec<_> = opened.offered.iter().filter(|(l, _)| suits(*l)).collect();
+    if candidates.is_empty() {
+        return Err(refuse(match wanted.layout {
+            Some(layout) => format!("pixel format {layout}"),
+            None => format!("any pixel format that tectum reads ({})", known_layouts()),
+        }));
     }
-    let side = |px: u32| u16::try_from(px).map_err(|_| refuse("a picture below 65536 px".into()));
-    let packed = FrameFormat::packed(layout, [side(width)?, side(height)?]);
-    let format = FrameFormat {
-        stride_bytes: match layout {
-            Layout::Mjpeg => 0,
-            _ => packed.stride_bytes.max(set.stride as usize),
-        },
-        full_range: is_full_range(&set),
-        ..packed
-    };
-    let period_ns = rate(path, &device, wanted.rate_hz, &refuse)?;
-    Ok(Agreed {
-        product: caps.card,
-        device,
-        format,
-        period_ns,
-    })
-}
-
-/// What the driver says of its range; where it says nothing, Video4Linux has a rule for each kind.
-fn is_full_range(format: &Format) -> bool {
-    match format.quantization {
-        Quantization::FullRange => true,
-        Quantization::LimitedRange => false,
-        Quantization::Default => matches!(format.colorspace, Colorspace::JPEG),
-    }
-}
-
-/// Sets the frame rate where one is asked for; what it is then, as ns from frame to frame.
-fn rate(
-    path: &Path,
-    device: &Device,
-    wanted_hz: Option<u32>,
-    refuse: &impl Fn(String) -> CaptureError,
-) -> Result<Option<u64>, CaptureError> {
-    let period = |parameters: Parameters| {
-        let [n, d] = [
-            parameters.interval.numerator,
-            parameters.interval.denominator,
-        ];
-        (n > 0 && d > 0).then(|| u64::from(n) * 1_000_000_000 / u64::from(d))
-    };
-    let Some(hz) = wanted_hz else {
-        // Cameras that cannot say are timed by their frames alone.
-        return Ok(device.params().ok().and_then(period));
-    };
-    let set = device
-        .set_params(&Parameters::with_fps(hz))
-        .map_err(|e| failure::of(path, "setting its frame rate", e))?;
-    let period = period(set);
-    // A camera may choose the next rate it has; a tenth off is another rate.
-    let close = period.is_some_and(|ns| (ns as f64 * f64::from(hz) / 1e9 - 1.0).abs() < 0.1);
-    if !close {
-        return Err(refuse(format!("{hz} frames a second")));
-    }
-    Ok(period)
-}
-
-/// Layouts that are both offered and known, in the order of [`Layout::ALL`].
-fn offered(path: &Path, device: &Device) -> Result<Vec<Layout>, CaptureError> {
-    let formats = readable(|| device.enum_formats())
-        .map_err(|e| failure::of(path, "asking what it offers", e))?;
-    Ok(Layout::ALL
-        .into_iter()
-        .filter(|layout| formats.iter().any(|f| f.fourcc == fourcc(*layout)))
-        .collect())
-}
-
-/// A line for each layout with the sizes it comes in.
-pub(super) fn describe(device: &Device, layouts: &[Layout]) -> String {
-    let mut text = String::new();
-    for layout in layouts {
-        let sizes = readable(|| device.enum_framesizes(fourcc(*layout))).unwrap_or_default();
-        let sizes: Vec<String> = sizes
-            .into_iter()
-            .map(|size| match size.size {
-                FrameSizeEnum::Discrete(size) => format!("{}x{}", size.width, size.height),
-                FrameSizeEnum::Stepwise(size) => format!(
-                    "{}x{} to {}x{}",
-                    size.min_width, size.min_height, size.max_width, size.max_height
-                ),
-            })
-            .collect();
-        let sizes = if sizes.is_empty() {
-            "sizes not stated".to_owned()
-        } else {
-            sizes.join(", ")
+    for &&(layout, code) in &candidates {
+        let agreed = opened.agree(path, code, size_px, wanted.rate_hz)?;
+        let Some((set, period_ns)) = agreed else {
+            continue;
         };
-        let _ = writeln!(text, "  {layout}: {sizes}");
+        if ![FIELD_ANY, FIELD_NONE].contains(&set.field) {
+            return Err(refuse("whole frames: what it gives is interlaced".into()));
+        }
+        let side =
+            |px: u32| u16::try_from(px).map_err(|_| refuse("a picture below 65536 px".into()));
+        let [width, height] = set.size_px;
+        let packed = FrameFormat::packed(layout, [side(width)?, side(height)?]);
+        let row_bytes = set.row_bytes[0] as usize;
+        if set.planes > 1 && set.row_bytes[1] != set.row_bytes[0] {
+            return Err(refuse("planes whose rows are equally long".into()));
+        }
+        return Ok(Agreed {
+            format: FrameFormat {
+                stride_bytes: match layout {
+                    Layout::Mjpeg => 0,
+                    _ => packed.stride_bytes.max(row_bytes),
+                },
+                full_range: is_full_range(&set, layout),
+                ..packed
+            },
+            planes: set.planes,
+            period_ns,
+            product: opened.product,
+            driver: opened.driver,
+            device: opened.device,
+        });
     }
-    text
+    let [width, height] = size_px;
+    let layout = match &candidates[..] {
+        [(layout, _)] => layout.to_string(),
+        _ => "any pixel format that tectum reads".to_owned(),
+    };
+    let rate = wanted.rate_hz.map(|hz| format!(" at {hz} frames a second"));
+    let rate = rate.unwrap_or_default();
+    Err(refuse(format!("{layout} in {width}x{height} px{rate}")))
 }
 
-/// What a camera offers, for a list.
+fn known_layouts() -> String {
+    Layout::ALL.map(Layout::fourcc).join(", ")
+}
+
+/// What the driver says of its range. Where it says nothing, Video4Linux has a rule for luma with
+/// chroma; brightness alone comes straight from the sensor (and from the kernel's own vivid) in full
+/// range.
+fn is_full_range(format: &PictureFormat, layout: Layout) -> bool {
+    match format.quantization {
+        QUANTIZATION_FULL => true,
+        QUANTIZATION_LIMITED => false,
+        _ => layout == Layout::Grey || format.colorspace == COLORSPACE_JPEG,
+    }
+}
+
+/// What a camera calls itself and what it offers, for a list.
 pub(super) fn description(path: &Path) -> Result<(String, String), CaptureError> {
-    let device = Device::with_path(path).map_err(|e| failure::of(path, "opening", e))?;
-    let caps =
-        readable(|| device.query_caps()).map_err(|e| failure::of(path, "asking what it is", e))?;
-    if !caps.capabilities.contains(Flags::VIDEO_CAPTURE) {
-        return Err(failure::not_capture(path, "no video capture"));
+    let opened = Opened::new(path)?;
+    let offered = opened.describe();
+    if offered.is_empty() {
+        return Err(failure::not_capture(
+            path,
+            &format!("it offers none of {}", known_layouts()),
+        ));
     }
-    let layouts = offered(path, &device)?;
-    Ok((caps.card, describe(&device, &layouts)))
+    Ok((opened.product, offered))
 }
 
-fn fourcc(layout: Layout) -> FourCC {
-    let code = layout.fourcc().as_bytes();
-    FourCC::new(&[0, 1, 2, 3].map(|i| code[i]))
+/// The driver's codes for a layout: in one buffer, or with planes in buffers of their own.
+fn codes(layout: Layout) -> Vec<[u8; 4]> {
+    let name = layout.fourcc().as_bytes();
+    let mut codes = vec![[0, 1, 2, 3].map(|i| name[i])];
+    if layout == Layout::Nv12 {
+        codes.push(*b"NM12");
+    }
+    codes
 }
 
 /// The binding panics on numbers that a driver newer than it may give.
@@ -204,4 +345,26 @@ fn readable<T>(ask: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
             "the driver's answer is not one that the v4l crate can read",
         ))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rate_is_offered_within_a_tenth_or_where_nothing_is_stated() {
+        assert!(offers_rate(&[], 30));
+        assert!(offers_rate(&[[30.0; 2], [5.0; 2]], 30));
+        assert!(offers_rate(&[[29.97; 2]], 30));
+        assert!(offers_rate(&[[1.0, 60.0]], 25));
+        assert!(!offers_rate(&[[5.0; 2]], 30));
+        assert!(!offers_rate(&[[1.0, 20.0]], 30));
+    }
+
+    #[test]
+    fn rates_are_written_short() {
+        assert_eq!(rates_text(&[]), "");
+        assert_eq!(rates_text(&[[30.0; 2], [29.97003; 2]]), " (30, 29.97 Hz)");
+        assert_eq!(rates_text(&[[1.0, 60.0]]), " (1 to 60 Hz)");
+    }
 }

@@ -1,15 +1,23 @@
-//! A preview in the browser: read-only, on the loopback interface unless told otherwise.
+//! A preview in the browser: on the loopback interface unless told otherwise, and read-only but for
+//! clients that have the token.
 //!
 //! The capturing thread never waits for a client: it leaves the newest pictures where clients fetch
-//! them, ten times a second and only while someone looks. A picture is encoded when first asked
-//! for, once for all clients.
+//! them, ten times a second and only while someone looks, and takes requests from a queue. A picture
+//! is encoded when first asked for, once for all clients.
 
+mod access;
+mod addresses;
 mod pages;
 mod picture;
+mod places;
+mod requests;
 mod server;
+mod status;
 
 pub use picture::{Picture, Snapshot};
+pub use requests::{Asked, Outcome, Request};
 
+use std::io;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,26 +25,58 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde_json::{Value, json};
 use tokio::sync::watch;
 
+use self::access::Access;
+use self::requests::Requests;
 use crate::{CaptureError, Health, monotonic_ns};
 
 /// From one published picture to the next, at least.
 const PUBLISH_EVERY_NS: i64 = 100_000_000;
 /// Nobody is looking when nobody asked for this long.
 const LOOKING_NS: i64 = 5_000_000_000;
-/// A status this old is not how things are: frames have stopped.
-const STALE_NS: i64 = 2_000_000_000;
 
 /// Answers a client's question about a direction: the query's pairs in, JSON or a reason out.
 pub type Answer = Box<dyn Fn(&[(String, String)]) -> Result<String, String> + Send + Sync>;
 
+/// Draws scales for a picture that is shown so many px wide, with lines so many degrees apart: an
+/// SVG document, or a reason.
+pub type DrawScales = Box<dyn Fn(u16, f64) -> Result<String, String> + Send + Sync>;
+
+/// Name and counters of each eye, left and right, which is there.
+pub type Eyes = [Option<(String, Arc<Health>)>; 2];
+
+/// Exposure and gain of the cameras, changed on the server's thread.
+pub trait Controls: Send + Sync {
+    /// What the cameras are set to now, as the page shows it.
+    fn text(&self) -> String;
+
+    /// Sets the exposure time of all eyes, in 0.1 ms, and turns the automatic off.
+    ///
+    /// # Errors
+    /// Why not, in words for the operator.
+    fn set_exposure(&self, exposure: i64) -> Outcome;
+
+    /// Gives both eyes the left eye's exposure, gain and white balance and keeps them.
+    ///
+    /// # Errors
+    /// Why not, in words for the operator.
+    fn lock(&self) -> Outcome;
+}
+
 /// What does not change while a preview runs.
+#[derive(Default)]
 pub struct Fixed {
     /// Which direction a pixel shows.
     pub direction: Option<Answer>,
-    /// PNG of the stitched picture's size, transparent but for scales.
-    pub scales_png: Option<Vec<u8>>,
-    /// Name and counters of each eye, left and right, which is there.
-    pub eyes: [Option<(String, Arc<Health>)>; 2],
+    /// Scales of the stitched picture.
+    pub scales: Option<DrawScales>,
+    /// The cameras' controls, where there are any.
+    pub controls: Option<Box<dyn Controls>>,
+    /// Whether the capturing thread answers requests ([`Preview::next_request`]).
+    pub takes_requests: bool,
+    /// Which eyes there should be.
+    pub eyes: Eyes,
+    /// From one frame to the next, ns, as it should be.
+    pub period_ns: Option<u64>,
 }
 
 impl std::fmt::Debug for Fixed {
@@ -48,12 +88,15 @@ impl std::fmt::Debug for Fixed {
 /// Shared by the capturing thread and the server.
 struct Shared {
     fixed: Fixed,
+    access: Access,
+    requests: Requests,
+    eyes: Mutex<Eyes>,
     newest: watch::Sender<Option<Arc<Snapshot>>>,
-    status: Mutex<Value>,
-    status_ns: AtomicI64,
+    /// Replaced as a whole, so that neither side holds the lock for longer than a copy of a pointer.
+    status: Mutex<Arc<Value>>,
+    frame_ns: AtomicI64,
     asked_ns: AtomicI64,
     published_ns: AtomicI64,
-    is_loopback: bool,
 }
 
 /// A running preview; it ends with the program.
@@ -76,27 +119,68 @@ impl Preview {
     /// # Errors
     /// [`CaptureError::Driver`] if the address cannot be had.
     pub fn serve(address: SocketAddr, fixed: Fixed) -> Result<Self, CaptureError> {
+        let failed = |source: io::Error| CaptureError::Driver {
+            name: address.to_string(),
+            doing: "serving the preview (is another program using the port?)",
+            source,
+        };
         let shared = Arc::new(Shared {
+            eyes: Mutex::new(fixed.eyes.clone()),
             fixed,
+            access: Access::new().map_err(failed)?,
+            requests: Requests::new(),
             newest: watch::Sender::new(None),
-            status: Mutex::new(json!({})),
-            status_ns: AtomicI64::new(monotonic_ns()),
+            status: Mutex::new(Arc::new(json!({}))),
+            frame_ns: AtomicI64::new(monotonic_ns()),
             asked_ns: AtomicI64::new(i64::MIN / 2),
             published_ns: AtomicI64::new(i64::MIN / 2),
-            is_loopback: address.ip().is_loopback(),
         });
-        let address =
-            server::start(address, shared.clone()).map_err(|source| CaptureError::Driver {
-                name: address.to_string(),
-                doing: "serving the preview (take another port with --view ADDRESS:PORT)",
-                source,
-            })?;
+        let address = server::start(address, shared.clone()).map_err(failed)?;
         Ok(Self { shared, address })
     }
 
-    /// Where it is.
+    /// Where it is served.
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// What to tell the person who started it: the addresses that can be opened, a line each that
+    /// begins with `preview: `, and who can do what with them.
+    pub fn notice(&self) -> String {
+        let token = self.shared.access.token();
+        let suffix = if self.takes_changes() {
+            format!("#token={token}")
+        } else {
+            String::new()
+        };
+        let mut lines: Vec<String> = addresses::reachable(self.address)
+            .iter()
+            .map(|address| format!("preview: http://{address}/{suffix}"))
+            .collect();
+        if !self.address.ip().is_loopback() {
+            lines.push(
+                "warning: everyone on the network can watch at this address, unencrypted"
+                    .to_owned(),
+            );
+        }
+        if self.takes_changes() {
+            lines.push(
+                "The part after # allows to save, record and set the cameras; without it the page \
+                 can only be read."
+                    .to_owned(),
+            );
+        }
+        lines.join("\n")
+    }
+
+    /// Whether the page can change anything at all.
+    fn takes_changes(&self) -> bool {
+        self.shared.fixed.takes_requests || self.shared.fixed.controls.is_some()
+    }
+
+    /// What a client with the token asked for; for the capturing thread, at each frame.
+    pub fn next_request(&self) -> Option<Asked> {
+        self.shared.requests.next()
     }
 
     /// Whether a new picture is due: someone looks, and the last one is old enough.
@@ -107,6 +191,13 @@ impl Preview {
             && since(&self.shared.published_ns) >= PUBLISH_EVERY_NS
     }
 
+    /// A frame came, published or not: the pictures are live.
+    pub fn frame_came(&self) {
+        self.shared
+            .frame_ns
+            .store(monotonic_ns(), Ordering::Relaxed);
+    }
+
     /// Leaves pictures for clients to fetch.
     pub fn publish(&self, snapshot: Snapshot) {
         let now = monotonic_ns();
@@ -114,33 +205,19 @@ impl Preview {
         self.shared.newest.send_replace(Some(Arc::new(snapshot)));
     }
 
-    /// Leaves the status for clients to fetch: an object with `state`, `stitched`, `coverage` and
-    /// `figures`. The eyes' own state is added when it is fetched.
+    /// Leaves the status for clients to fetch: an object with `state`, `stitched`, `figures` and
+    /// whatever else the page knows. State of the eyes and of the connection is added when it is
+    /// fetched.
     pub fn set_status(&self, status: Value) {
-        let shared = &self.shared;
-        shared.status_ns.store(monotonic_ns(), Ordering::Relaxed);
-        *shared.status.lock().unwrap_or_else(PoisonError::into_inner) = status;
+        *lock(&self.shared.status) = Arc::new(status);
+    }
+
+    /// The eyes come from other sources from now on, as when a recording begins again.
+    pub fn set_eyes(&self, eyes: Eyes) {
+        *lock(&self.shared.eyes) = eyes;
     }
 }
 
-impl Shared {
-    fn status(&self) -> String {
-        let status = self.status.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut status = status.clone();
-        let age_ns = monotonic_ns().saturating_sub(self.status_ns.load(Ordering::Relaxed));
-        if age_ns > STALE_NS {
-            status["state"] = json!(format!("no new frames for {} s", age_ns / 1_000_000_000));
-        }
-        for (side, eye) in ["left", "right"].into_iter().zip(&self.fixed.eyes) {
-            status[side] = eye.as_ref().map_or(Value::Null, |(name, health)| {
-                let counts = health.counts();
-                json!({
-                    "source": name, "frames": counts.frames, "dropped": counts.dropped,
-                    "corrupt": counts.corrupt, "reconnects": counts.reconnects,
-                    "connected": counts.connected,
-                })
-            });
-        }
-        status.to_string()
-    }
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,24 +1,36 @@
 "use strict";
-// One picture of each kind is fetched at a time, the next when it is there: a slow network shows
-// fewer pictures and keeps nobody waiting.
+// Pictures and status. One picture of each kind is fetched at a time, the next when it is there: a
+// slow network shows fewer pictures and keeps nobody waiting.
 
 const id = (name) => document.getElementById(name);
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
+const SIDES = ["left", "right"];
+/** Without an answer for this long, ms, what is on the screen is not live. */
+const SILENCE = 2000;
+/** So long losses stay an alarm, ms. */
+const RECENT = 6000;
+
 let facts = {};
+let answered = performance.now();
+const losses = {};
 
 /** Fetches a picture again and again onto its canvas. */
 async function show(name) {
   const canvas = id(name);
   let number = "";
+  let quality = "";
   for (;;) {
     if (document.hidden || id(name + "-part").hidden) {
       await pause(300);
       continue;
     }
+    if (quality !== id("quality").value) number = "";
+    quality = id("quality").value;
     try {
-      const answer = await fetch(`/${name}.jpg?after=${number}`);
+      const patience = AbortSignal.timeout(8000);
+      const answer = await fetch(`/${name}.jpg?after=${number}&quality=${quality}`, { signal: patience });
       if (answer.status !== 200) {
-        await pause(answer.status === 204 ? 100 : 1000);
+        await pause(answer.status === 204 ? 100 : 500);
         continue;
       }
       const picture = await createImageBitmap(await answer.blob());
@@ -27,90 +39,101 @@ async function show(name) {
         canvas.width = picture.width;
         canvas.height = picture.height;
       }
-      canvas.getContext("2d").drawImage(picture, 0, 0);
+      canvas.getContext("2d").drawImage(picture, 0, 0, canvas.width, canvas.height);
       picture.close();
+      // What is sent may be smaller than what it shows.
+      canvas.dataset.width = answer.headers.get("x-width");
+      canvas.dataset.height = answer.headers.get("x-height");
       canvas.dataset.number = number;
-      drawCoverage(name, canvas);
+      drawSession(name, canvas);
     } catch {
       await pause(1000);
     }
   }
 }
 
-/** Where the board has been, over an eye. */
-function drawCoverage(name, canvas) {
-  const cells = facts.coverage && facts.coverage[name];
-  if (!cells) return;
-  const side = facts.coverage.side;
+/** Over an eye: where the board has been, where it is wanted, and the corners that are found. */
+function drawSession(name, canvas) {
+  const session = facts.session && facts.session[name];
+  if (!session) return;
+  const side = facts.session.side;
   const pen = canvas.getContext("2d");
   const [w, h] = [canvas.width / side, canvas.height / side];
+  const cell = (i) => [(i % side) * w, Math.floor(i / side) * h];
   pen.fillStyle = "rgba(0, 158, 115, 0.35)";
-  cells.forEach((seen, i) => {
-    if (seen) pen.fillRect((i % side) * w, Math.floor(i / side) * h, w - 1, h - 1);
-  });
+  session.covered.forEach((seen, i) => seen && pen.fillRect(...cell(i), w - 1, h - 1));
+  pen.strokeStyle = "#ffc145";
+  pen.lineWidth = Math.max(2, canvas.width / 250);
+  for (const i of session.wanted) {
+    const [x, y] = cell(i);
+    pen.strokeRect(x + 2, y + 2, w - 5, h - 5);
+  }
+  const scale = canvas.width / Number(canvas.dataset.width);
+  pen.fillStyle = "#ff3df2";
+  const radius = Math.max(2, canvas.width / 160);
+  for (const [x, y] of session.corners || []) {
+    pen.beginPath();
+    pen.arc((x + 0.5) * scale, (y + 0.5) * scale, radius, 0, 7);
+    pen.fill();
+  }
 }
 
-/** Position in the picture under a pointer; a pixel's centre is an integer. */
-function place(canvas, event) {
-  const box = canvas.getBoundingClientRect();
-  const x = ((event.clientX - box.left) / box.width) * canvas.width - 0.5;
-  const y = ((event.clientY - box.top) / box.height) * canvas.height - 0.5;
-  return [x.toFixed(2), y.toFixed(2)];
+/** Covers a picture that does not show how things are now; nothing to say uncovers it. */
+function veil(figure, words, ended) {
+  const cover = figure.querySelector(".veil");
+  cover.hidden = !words;
+  cover.textContent = words || "";
+  figure.classList.toggle("stale", Boolean(words) && !ended);
+  figure.classList.toggle("ended", Boolean(words) && ended);
 }
 
-async function direction(eye, [x, y]) {
-  const of = eye ? `eye=${eye}&` : "";
-  const answer = await fetch(`/direction.json?${of}x=${x}&y=${y}`);
-  if (!answer.ok) return null;
-  return answer.json();
+/** Frames lost or damaged lately; counts what each status adds. */
+function recentLosses(name) {
+  const eye = facts[name];
+  const memory = (losses[name] ??= { total: null, events: [] });
+  const total = eye ? eye.dropped + eye.corrupt : 0;
+  const now = performance.now();
+  if (memory.total !== null && total > memory.total) memory.events.push([now, total - memory.total]);
+  memory.total = total;
+  memory.events = memory.events.filter(([time]) => now - time < RECENT);
+  return memory.events.reduce((sum, [, count]) => sum + count, 0);
 }
 
-function words(eye, [x, y], found) {
-  const of = eye ? `${eye} ` : "";
-  if (!found) return `${of}${x},${y}: no direction`;
-  const [yaw, pitch] = [found.yaw_deg, found.pitch_deg].map((deg) => deg.toFixed(3));
-  return `${of}${x},${y}: yaw ${yaw}° pitch ${pitch}° (${found.eye || "none"})`;
+function eyeState(name, alarms) {
+  const eye = facts[name];
+  id(name + "-part").hidden = !eye;
+  if (!eye) return null;
+  const state = id(name + "-state");
+  const recent = recentLosses(name);
+  const all = `${eye.source}: ${eye.dropped} dropped, ${eye.corrupt} damaged, ${eye.reconnects} times back`;
+  state.classList.toggle("bad", !eye.connected || recent > 0);
+  state.textContent = eye.connected ? all : `${eye.source}: not there, waiting for it`;
+  if (!eye.connected) alarms.push(`The ${name} eye is lost.`);
+  else if (recent > 0) alarms.push(`The ${name} eye loses frames: ${recent} in the last seconds.`);
+  return eye.connected ? null : `${name.toUpperCase()} EYE LOST`;
 }
 
-/** Reads directions under the pointer, only ever the newest place asked for. */
-function follow(name, eye) {
-  const canvas = id(name);
-  let wanted = null;
-  let busy = false;
-  const ask = async (event) => {
-    wanted = place(canvas, event);
-    if (busy) return;
-    busy = true;
-    while (wanted) {
-      const at = wanted;
-      wanted = null;
-      try {
-        id("readout").textContent = words(eye, at, await direction(eye, at));
-      } catch {
-        id("readout").textContent = "no connection";
-      }
-    }
-    busy = false;
-  };
-  canvas.addEventListener("pointermove", ask);
-  canvas.addEventListener("pointerdown", async (event) => {
-    ask(event);
-    const at = place(canvas, event);
-    const found = await direction(eye, at).catch(() => null);
-    id("held").textContent = "target " + words(eye, at, found);
-    if (!eye) mark(at);
-  });
+/** Everything on the page that tells how things are. */
+function render() {
+  const silence = performance.now() - answered;
+  const alarms = [];
+  const lost = SIDES.map((name) => eyeState(name, alarms));
+  let words = null;
+  if (silence > SILENCE) words = `NO CONNECTION for ${Math.round(silence / 1000)} s`;
+  else if (facts.stalled) words = `NO NEW PICTURES for ${Math.round(facts.frame_age_ms / 1000)} s`;
+  if (words) alarms.unshift(words + ". What you see is not live.");
+  operatorAlarms(alarms);
+  const ended = !words && facts.ended ? "end of the recording" : null;
+  SIDES.forEach((name, i) => veil(id(name + "-part"), lost[i] || words || ended, !lost[i] && !words));
+  veil(id("stitched-figure"), words || ended, !words);
+  id("alarm").hidden = alarms.length === 0;
+  const text = alarms.join(" ");
+  if (id("alarm").textContent !== text) id("alarm").textContent = text;
+  id("state").textContent = words ? "not live" : facts.state || "waiting for frames";
+  id("state").classList.toggle("bad", Boolean(words));
 }
 
-function mark([x, y]) {
-  const canvas = id("stitched");
-  const target = id("target");
-  target.style.left = `${((Number(x) + 0.5) / canvas.width) * 100}%`;
-  target.style.top = `${((Number(y) + 0.5) / canvas.height) * 100}%`;
-  target.hidden = false;
-}
-
-function row(name, value) {
+function figure(name, value) {
   const line = document.createElement("tr");
   for (const text of [name, value]) {
     const cell = document.createElement("td");
@@ -120,45 +143,43 @@ function row(name, value) {
   return line;
 }
 
-function eyeState(name) {
-  const eye = facts[name];
-  id(name + "-part").hidden = !eye;
-  if (!eye) return;
-  const state = id(name + "-state");
-  state.classList.toggle("bad", !eye.connected);
-  state.textContent = eye.connected
-    ? `${eye.source}: ${eye.dropped} dropped, ${eye.corrupt} damaged, ${eye.reconnects} times back`
-    : `${eye.source}: not there, waiting for it`;
+/** A signed angle with the side that its sign means. */
+function angle(deg, digits, positive, negative) {
+  const text = deg.toFixed(digits);
+  const side = Number(text) === 0 ? "" : deg > 0 ? ` (${positive})` : ` (${negative})`;
+  return `${text}°${side}`;
 }
+
+const yawText = (deg, digits) => "yaw " + angle(deg, digits, "left", "right");
+const pitchText = (deg, digits) => "pitch " + angle(deg, digits, "down", "up");
 
 async function watch() {
   for (;;) {
     try {
-      facts = await (await fetch("/status.json")).json();
-      id("state").textContent = facts.state || "waiting for frames";
-      id("state").classList.remove("bad");
+      const patience = AbortSignal.timeout(4000);
+      const answer = await fetch("/status.json", { headers: tokenHeader(), signal: patience });
+      facts = await answer.json();
+      answered = performance.now();
       id("stitched-part").hidden = !facts.stitched;
-      id("scales").hidden = !facts.stitched || !id("with-scales").checked;
-      if (facts.stitched && !id("scales").src) id("scales").src = "/scales.png";
-      eyeState("left");
-      eyeState("right");
+      const turn = facts.attitude;
+      id("attitude").hidden = !turn;
+      if (turn && turn.yaw_deg === undefined) {
+        id("attitude").textContent = "body: the attitude of this moment is not known";
+      } else if (turn) {
+        const roll = angle(turn.roll_deg, 1, "right side down", "left side down");
+        id("attitude").textContent = `body: ${yawText(turn.yaw_deg, 1)}, ${pitchText(turn.pitch_deg, 1)}, roll ${roll}`;
+      }
+      id("session").hidden = !facts.session;
+      if (facts.session) {
+        id("instruction").textContent = facts.session.instruction;
+        id("kept").textContent = facts.session.kept;
+      }
       const figures = Object.entries(facts.figures || {});
-      id("figures").replaceChildren(...figures.map(([name, value]) => row(name, value)));
+      id("figures").replaceChildren(...figures.map(([name, value]) => figure(name, value)));
+      showOperator();
     } catch {
-      id("state").textContent = "no connection";
-      id("state").classList.add("bad");
+      // Said by the page when it lasts.
     }
     await pause(500);
   }
 }
-
-id("with-scales").addEventListener("change", (event) => {
-  id("scales").hidden = !event.target.checked;
-});
-follow("stitched", null);
-follow("left", "left");
-follow("right", "right");
-show("stitched");
-show("left");
-show("right");
-watch();

@@ -10,14 +10,12 @@ use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use tokio::net::TcpStream;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio_io_timeout::TimeoutStream;
 
 use super::Shared;
 use super::pages::respond;
+use super::places::{Place, Places};
 
-/// Clients at once. A browser takes up to six.
-const CONNECTIONS: usize = 100;
 /// A request's head must be there within this, also the next one of a kept connection.
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// A client that takes nothing for this long is cut off.
@@ -47,15 +45,14 @@ async fn accept(listener: TcpListener, shared: Arc<Shared>) {
     let Ok(listener) = tokio::net::TcpListener::from_std(listener) else {
         return;
     };
-    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let places = Arc::new(Places::default());
     loop {
-        // Waiting clients wait in the system's queue, which is bounded too.
-        let Ok(place) = places.clone().acquire_owned().await else {
-            return;
-        };
         match listener.accept().await {
-            Ok((stream, _)) => {
-                tokio::spawn(serve(stream, shared.clone(), place));
+            Ok((stream, peer)) => {
+                let place = Places::take(&places, peer.ip());
+                let key = place.key();
+                let task = tokio::spawn(serve(stream, shared.clone(), place));
+                places.set_task(key, task.abort_handle());
             }
             // Out of file descriptors, or a client that went away: others may go on.
             Err(_) => tokio::time::sleep(Duration::from_millis(50)).await,
@@ -63,10 +60,11 @@ async fn accept(listener: TcpListener, shared: Arc<Shared>) {
     }
 }
 
-async fn serve(stream: TcpStream, shared: Arc<Shared>, place: OwnedSemaphorePermit) {
+async fn serve(stream: TcpStream, shared: Arc<Shared>, place: Place) {
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(STALL_TIME));
-    let answer = service_fn(move |request| {
+    let answer = service_fn(|request| {
+        place.asked();
         let shared = shared.clone();
         async move { Ok::<_, Infallible>(respond(&request, &shared).await) }
     });
@@ -77,5 +75,4 @@ async fn serve(stream: TcpStream, shared: Arc<Shared>, place: OwnedSemaphorePerm
         .serve_connection(TokioIo::new(Box::pin(stream)), answer);
     // Whatever ends it, nobody is left to be told.
     let _ = tokio::time::timeout(LIFE_TIME, connection).await;
-    drop(place);
 }

@@ -4,10 +4,12 @@ use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use tectum_calibrate::session::{list, pair_by_name};
 use tectum_capture::{
     CaptureError, FrameSource, Late, Layout, Mjpeg, Pairs, Pictures, VideoKind, Y4m,
 };
 
+use super::feed::SideBySide;
 use super::{Feed, demo};
 use crate::args::Size;
 use crate::report::Usage;
@@ -16,6 +18,9 @@ use crate::report::Usage;
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "Cameras")]
 pub struct CameraOptions {
+    /// One camera or recording that gives both eyes side by side, the left one on the left
+    #[arg(long, value_name = "A", conflicts_with_all = ["left", "right", "source"])]
+    pub side_by_side: Option<PathBuf>,
     /// Frames of both eyes from elsewhere
     #[arg(long, value_enum, conflicts_with_all = ["left", "right"])]
     pub source: Option<SourceName>,
@@ -29,8 +34,8 @@ pub struct CameraOptions {
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rate: Option<u32>,
     /// Frames taken at most this far apart belong together; at most, and without, half of the time
-    /// between frames
-    #[arg(long, value_name = "MS")]
+    /// between frames as measured
+    #[arg(long, value_name = "MS", value_parser = crate::args::milliseconds, allow_negative_numbers = true)]
     pub tolerance_ms: Option<f64>,
     /// Give both eyes the left eye's exposure, gain and white balance of this moment, and keep them
     #[arg(long)]
@@ -60,6 +65,7 @@ impl CameraOptions {
     /// Whether any of them is given.
     pub fn is_given(&self) -> bool {
         self.source.is_some()
+            || self.side_by_side.is_some()
             || self.pixel_format.is_some()
             || self.frame_size.is_some()
             || self.rate.is_some()
@@ -80,31 +86,59 @@ pub fn open(
     all: bool,
 ) -> anyhow::Result<Feed> {
     let size_px = options.frame_size.map(|size| size.0).or(size_px);
+    if let Some(path) = &options.side_by_side {
+        let whole_px = size_px.map(|[width, height]| [width.saturating_mul(2), height]);
+        let source = one_locked(path, options, whole_px)?;
+        let late = late(all, source.is_live());
+        return Ok(Feed::SideBySide(SideBySide::new(source, late)?));
+    }
     let [left, right] = match (options.source, left, right) {
         (Some(SourceName::Demo), ..) => demo::eyes(options.rate)?.map(Some),
+        (None, Some(left), Some(right)) if left.is_dir() && right.is_dir() => {
+            folders(left, right)?.map(Some)
+        }
         (None, Some(left), Some(right)) => both(left, right, options, size_px)?.map(Some),
-        (None, Some(path), None) => [Some(one(path, options, size_px)?.boxed()), None],
-        (None, None, Some(path)) => [None, Some(one(path, options, size_px)?.boxed())],
+        (None, Some(path), None) => [Some(one_locked(path, options, size_px)?), None],
+        (None, None, Some(path)) => [None, Some(one_locked(path, options, size_px)?)],
         (None, None, None) => [None, None],
     };
     match (left, right) {
         (Some(left), Some(right)) => {
-            let tolerance = options.tolerance_ms.map(|ms| (ms * 1e6).max(0.0) as u64);
-            let late = if all || !(left.is_live() || right.is_live()) {
-                Late::KeepAll
-            } else {
-                Late::NewestWins
-            };
-            Ok(Feed::Two(Pairs::new(left, right, tolerance, late)?))
+            let is_timed = [&left, &right].map(|eye| eye.is_live() || eye.period_ns().is_some());
+            // The times of pictures count them: those that belong together have the same.
+            let asked_ms = options.tolerance_ms.filter(|_| is_timed.contains(&true));
+            let tolerance = asked_ms.map(|ms| (ms * 1e6).max(0.0) as u64);
+            let late = late(all, left.is_live() || right.is_live());
+            let pairs = Pairs::new(left, right, tolerance, late)?;
+            Ok(Feed::Two(Box::new(pairs)))
         }
         (Some(left), None) => Ok(Feed::One(left, false)),
         (None, Some(right)) => Ok(Feed::One(right, true)),
         (None, None) => Err(Usage(
-            "needed are --left and --right (cameras, recordings or folders), or --source demo"
+            "needed are --left and --right (cameras, recordings or folders), --side-by-side, or \
+             --source demo"
                 .into(),
         )
         .into()),
     }
+}
+
+fn late(all: bool, is_live: bool) -> Late {
+    if all || !is_live {
+        Late::KeepAll
+    } else {
+        Late::NewestWins
+    }
+}
+
+/// Pictures of two folders, paired by their names or numbers.
+fn folders(left: &Path, right: &Path) -> anyhow::Result<[Box<dyn FrameSource>; 2]> {
+    let folders = [left, right];
+    let [of_left, of_right] = folders.map(|folder| list(&[folder.to_owned()]));
+    let files = [of_left?, of_right?];
+    let pairs = pair_by_name(&files[0], &files[1])?.pairs;
+    let sources = Pictures::open_paired(folders, files, &pairs)?;
+    Ok(sources.map(|source| Box::new(source) as Box<dyn FrameSource>))
 }
 
 /// A source that may be a camera.
@@ -135,8 +169,28 @@ fn one(
     Ok(Opened::File(match VideoKind::of(path) {
         Some(VideoKind::Y4m) => Box::new(Y4m::open(path)?),
         Some(VideoKind::Mjpeg) => Box::new(Mjpeg::open(path)?),
+        None if is_other_video(path) => {
+            return Err(CaptureError::File {
+                path: path.to_owned(),
+                why: format!(
+                    "videos are read as .y4m or .mjpeg: convert it with `ffmpeg -i {} {}`",
+                    path.display(),
+                    path.with_extension("y4m").display()
+                ),
+            });
+        }
         None => Box::new(Pictures::open(path)?),
     }))
+}
+
+/// A video in another container or coding, by the ending of its name.
+fn is_other_video(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let known = [
+        "mp4", "m4v", "mov", "avi", "mkv", "webm", "h264", "264", "h265", "265", "hevc", "ts",
+        "m2ts", "mpg", "mpeg", "wmv", "flv", "ogv", "3gp", "yuv", "ivf", "av1",
+    ];
+    known.contains(&&*ending.to_ascii_lowercase())
 }
 
 /// A device node, or the name of one that may come.
@@ -188,7 +242,6 @@ fn both(
 /// Two cameras must be the same product, and get the same controls if asked for.
 #[cfg(feature = "v4l2")]
 fn alike(opened: [Opened; 2], options: &CameraOptions) -> Result<[Opened; 2], CaptureError> {
-    use tectum_capture::device::{ControlSettings, lock_together};
     let [Opened::Camera(mut left), Opened::Camera(mut right)] = opened else {
         return Ok(opened);
     };
@@ -198,13 +251,48 @@ fn alike(opened: [Opened; 2], options: &CameraOptions) -> Result<[Opened; 2], Ca
             right: right.product().to_owned(),
         });
     }
+    lock(&mut [&mut left, &mut right], options)?;
+    Ok([Opened::Camera(left), Opened::Camera(right)])
+}
+
+/// One source, with its controls set if it is a camera.
+fn one_locked(
+    path: &Path,
+    options: &CameraOptions,
+    size_px: Option<[u16; 2]>,
+) -> Result<Box<dyn FrameSource>, CaptureError> {
+    #[allow(unused_mut)]
+    let mut opened = one(path, options, size_px)?;
+    #[cfg(feature = "v4l2")]
+    if let Opened::Camera(camera) = &mut opened {
+        lock(&mut [camera], options)?;
+    }
+    Ok(opened.boxed())
+}
+
+/// Sets what is asked for, and says what was set.
+#[cfg(feature = "v4l2")]
+fn lock(
+    cameras: &mut [&mut tectum_capture::device::Camera],
+    options: &CameraOptions,
+) -> Result<(), CaptureError> {
+    use tectum_capture::device::{ControlSettings, lock_together};
     let asked = ControlSettings {
         exposure: options.exposure,
         gain: options.gain,
         white_balance_k: options.white_balance,
     };
-    if options.lock || asked != ControlSettings::default() {
-        lock_together(&mut left, &mut right, asked, options.lock)?;
+    if !options.lock && asked == ControlSettings::default() {
+        return Ok(());
     }
-    Ok([Opened::Camera(left), Opened::Camera(right)])
+    let set = lock_together(cameras, asked, options.lock)?;
+    if set == ControlSettings::default() {
+        eprintln!(
+            "nothing is locked: exposure, gain and white balance are not controls that these \
+             cameras have in common"
+        );
+    } else {
+        eprintln!("locked: {set}");
+    }
+    Ok(())
 }

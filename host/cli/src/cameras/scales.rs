@@ -2,13 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::{Context, bail};
-use nalgebra::Rotation3;
-use serde::{Deserialize, Serialize};
 use tectum_bake::{Format, Scales, draw_overlay, output_map};
 use tectum_core::{Overlay, Tables};
 use tectum_optics::OutputMap;
-use tectum_scene::camera::Pose;
+
+use super::Attitudes;
 
 /// From line to line of scales, degrees, where nothing else is said.
 const USUAL_STEP_DEG: f64 = 30.0;
@@ -23,30 +21,9 @@ pub enum LiveScales<'t> {
         map: OutputMap,
         /// From line to line, degrees.
         step_deg: f64,
-        /// World <- body, by frame.
-        attitudes: Vec<Rotation3<f64>>,
+        /// World <- body over time.
+        attitudes: Attitudes,
     },
-}
-
-/// A row of an attitude file: where the body is at a frame and how it is turned.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Attitude {
-    /// Frame, from 0.
-    pub frame: u32,
-    /// Since the first frame, s.
-    pub time_s: f64,
-    /// Position in the world, m.
-    pub x_m: f64,
-    /// To the left.
-    pub y_m: f64,
-    /// Up.
-    pub z_m: f64,
-    /// Left positive.
-    pub yaw_deg: f64,
-    /// Up negative.
-    pub pitch_deg: f64,
-    /// Right side down positive.
-    pub roll_deg: f64,
 }
 
 impl<'t> LiveScales<'t> {
@@ -62,28 +39,14 @@ impl<'t> LiveScales<'t> {
         Ok(Self::Body(Overlay::parse(bytes, map.size_px)?))
     }
 
-    /// Scales of the world for a body that is turned as `file` says, frame by frame.
+    /// Scales of the world for a body that is turned as `file` says, by the time since the first
+    /// frame.
     pub fn of_world(
         tables: &Tables<'_>,
         step_deg: Option<f64>,
         file: &Path,
     ) -> anyhow::Result<Self> {
-        let name = || file.display().to_string();
-        let mut rows = csv::Reader::from_path(file).with_context(name)?;
-        let mut attitudes = Vec::new();
-        for row in rows.deserialize() {
-            let row: Attitude = row.with_context(name)?;
-            if row.frame as usize != attitudes.len() {
-                bail!(
-                    "{}: frame {} stands where frame {} should: needed is a row for every frame, \
-                     from 0",
-                    file.display(),
-                    row.frame,
-                    attitudes.len()
-                );
-            }
-            attitudes.push(row.world_from_body());
-        }
+        let attitudes = Attitudes::read(file)?;
         Ok(Self::World {
             map: output_map(tables),
             step_deg: step_deg.unwrap_or(USUAL_STEP_DEG),
@@ -91,8 +54,14 @@ impl<'t> LiveScales<'t> {
         })
     }
 
-    /// Draws on a frame, rows tightly packed.
-    pub fn draw(&self, frame: u32, format: Format, picture: &mut [u8]) -> anyhow::Result<()> {
+    /// Draws on a frame that came `since_ns` after the first, rows tightly packed. Without
+    /// `has_time`, that counts frames.
+    pub fn draw(
+        &self,
+        (since_ns, has_time): (i64, bool),
+        format: Format,
+        picture: &mut [u8],
+    ) -> anyhow::Result<()> {
         match self {
             Self::Body(overlay) => draw_overlay(overlay, format, picture)?,
             Self::World {
@@ -100,9 +69,7 @@ impl<'t> LiveScales<'t> {
                 step_deg,
                 attitudes,
             } => {
-                let Some(world_from_body) = attitudes.get(frame as usize) else {
-                    bail!("the attitude file has no row for frame {frame}");
-                };
+                let world_from_body = attitudes.at(attitudes.time_s(since_ns, has_time)?)?;
                 let turned = OutputMap {
                     rotation: world_from_body * map.rotation,
                     ..*map
@@ -111,18 +78,5 @@ impl<'t> LiveScales<'t> {
             }
         }
         Ok(())
-    }
-}
-
-impl Attitude {
-    fn world_from_body(&self) -> Rotation3<f64> {
-        let pose = Pose {
-            yaw_deg: self.yaw_deg,
-            pitch_deg: self.pitch_deg,
-            roll_deg: self.roll_deg,
-            ..Pose::default()
-        };
-        // A sine of -0 would put lines at 180 degrees to the other border.
-        Rotation3::from_matrix_unchecked(pose.world_from_body().map(|v| v + 0.0))
     }
 }

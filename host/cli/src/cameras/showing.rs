@@ -1,24 +1,24 @@
 //! The preview of a feed.
 
-use std::io::Cursor;
 use std::net::SocketAddr;
+use std::path::Path;
 
-use image::{ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
-use tectum_bake::Format;
-use tectum_capture::preview::{Fixed, Preview};
+use tectum_bake::{output_map, scales_svg};
+use tectum_capture::Operator;
+use tectum_capture::preview::{Controls, Fixed, Preview};
 use tectum_core::{Eye, Tables};
 
 use super::Feed;
-use super::LiveScales;
 use crate::directions::Answer;
 
-/// Serves a feed, with directions and scales where there is a table.
+/// Serves a feed, with directions and scales where there is a table. `takes_requests` says that
+/// the watch has an operator.
 pub fn serve(
     address: SocketAddr,
     feed: &Feed,
     tables: Option<&'static Tables<'static>>,
+    takes_requests: bool,
 ) -> anyhow::Result<Preview> {
-    let scales_png = tables.map(scales_png).transpose()?;
     Ok(Preview::serve(
         address,
         Fixed {
@@ -26,10 +26,43 @@ pub fn serve(
                 let answer = move |query: &[(String, String)]| direction(tables, query);
                 Box::new(answer) as tectum_capture::preview::Answer
             }),
-            scales_png,
+            scales: tables.map(|tables| {
+                let draw = move |width_px, step_deg| {
+                    scales_svg(&output_map(tables), width_px, step_deg)
+                        .map_err(|error| error.to_string())
+                };
+                Box::new(draw) as tectum_capture::preview::DrawScales
+            }),
+            controls: controls(feed),
+            takes_requests,
             eyes: feed.eyes(),
+            // A folder's pictures come each second.
+            period_ns: feed
+                .period_ns()
+                .or((!feed.is_live()).then_some(1_000_000_000)),
         },
     )?)
+}
+
+/// Saves in `folder` what the page asks for of a feed.
+pub fn operator(folder: &Path, feed: &Feed) -> Operator {
+    let ([left, right], [of_left, of_right]) = (feed.eyes(), feed.facts());
+    Operator::new(folder, feed.rate(), false).with_sources([
+        left.map(|(name, _)| (name, of_left)),
+        right.map(|(name, _)| (name, of_right)),
+    ])
+}
+
+/// The cameras' own controls, where the eyes are cameras.
+#[cfg(feature = "v4l2")]
+fn controls(feed: &Feed) -> Option<Box<dyn Controls>> {
+    let controls = tectum_capture::device::LiveControls::of(&feed.sources())?;
+    Some(Box::new(controls))
+}
+
+#[cfg(not(feature = "v4l2"))]
+fn controls(_feed: &Feed) -> Option<Box<dyn Controls>> {
+    None
 }
 
 /// What `tectum lookup --json` prints for a pixel.
@@ -54,29 +87,4 @@ fn direction(tables: &Tables<'_>, query: &[(String, String)]) -> Result<String, 
     answer
         .map(|answer| answer.json().to_string())
         .map_err(|error| error.to_string())
-}
-
-/// Scales alone: drawn on black and on white, which tells colour from cover.
-fn scales_png(tables: &'static Tables<'static>) -> anyhow::Result<Vec<u8>> {
-    let scales = LiveScales::of_body(tables, None)?;
-    let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
-    let on = |ground| -> anyhow::Result<RgbImage> {
-        let mut picture = RgbImage::from_pixel(width, height, Rgb([ground; 3]));
-        scales.draw(0, Format::Rgb8, &mut picture)?;
-        Ok(picture)
-    };
-    let [on_black, on_white] = [on(0)?, on(255)?];
-    let overlay = RgbaImage::from_fn(width, height, |x, y| {
-        let (black, white) = (on_black.get_pixel(x, y).0, on_white.get_pixel(x, y).0);
-        let clear = (0..3)
-            .map(|i| white[i].saturating_sub(black[i]))
-            .max()
-            .unwrap_or(255);
-        let cover = 255 - clear;
-        let ink = black.map(|c| (u32::from(c) * 255 / u32::from(cover.max(1))).min(255) as u8);
-        Rgba([ink[0], ink[1], ink[2], cover])
-    });
-    let mut png = Cursor::new(Vec::new());
-    overlay.write_to(&mut png, ImageFormat::Png)?;
-    Ok(png.into_inner())
 }

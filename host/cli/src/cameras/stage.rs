@@ -13,7 +13,7 @@ pub struct Limits {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
     /// End after this long, s
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = crate::args::seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
 }
 

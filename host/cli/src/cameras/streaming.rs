@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use serde_json::json;
-use tectum_capture::{CaptureError, Frame, FrameFormat, LiveStitcher, Pair, Recorder};
+use tectum_capture::{CaptureError, Frame, LiveStitcher, Pair, Recorder};
 use tectum_core::{Eye, Sampler, Tables};
 
-use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt};
+use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt, viewing};
 use crate::files;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 
 /// A table that lives as long as the program: the preview's thread answers from it.
 pub fn keep(bytes: Vec<u8>, path: &Path) -> anyhow::Result<&'static Tables<'static>> {
@@ -38,28 +38,18 @@ pub fn run(
     scales: Option<LiveScales<'_>>,
     (limits, view): (&Limits, &ViewArgs),
 ) -> anyhow::Result<Report> {
-    let needed = source_size_px(tables)?;
+    viewing::check_size(feed, source_size_px(tables)?)?;
     let given = feed.format();
-    if given.size_px != needed {
-        bail!(
-            "the eyes give {given}, the table needs {}x{} px: give --frame-size, or bake a table \
-             for this size",
-            needed[0],
-            needed[1]
-        );
-    }
+    let has_time = feed.has_time();
     let stop = stop_on_interrupt(limits)?;
     let preview = view
         .view
-        .map(|address| showing::serve(address, feed, Some(tables)));
+        .map(|address| showing::serve(address, feed, Some(tables), false));
     let mut watch = Watch::new(feed, preview.transpose()?);
     let mut stitcher = LiveStitcher::new(tables, sampler);
-    let out_format = FrameFormat::packed(
-        LiveStitcher::output_layout(given.layout),
-        stitcher.output_size_px(),
-    );
+    let out_format = stitcher.output_format(given);
     let mut undecodable = 0_u64;
-    let done = feed.for_each(&stop, |shot, statistics| {
+    let mut done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         let &[Some(left), Some(right)] = shot else {
             bail!("live stitching needs both eyes");
@@ -69,7 +59,10 @@ pub fn run(
             return Ok(ControlFlow::Continue(()));
         };
         if let Some(scales) = &scales {
-            scales.draw(left.sequence, out_format.layout.core_format(), stitched)?;
+            let since = statistics.first_left_ns.unwrap_or(left.time_ns);
+            let since_ns = left.time_ns.wrapping_sub(since);
+            let layout = out_format.layout.core_format();
+            scales.draw((since_ns, has_time), layout, stitched)?;
         }
         let stitched = &*stitched;
         if let Some(recorder) = &mut recorder {
@@ -79,14 +72,24 @@ pub fn run(
                 ..left
             })?;
         }
-        watch.shot(shot, Some((stitched, out_format)), begun, statistics, None);
+        watch.shot(shot, Some((stitched, out_format)), begun, statistics);
         Ok(limits.flow(watch.shots(), watch.start()))
     });
+    if let Some(recorder) = &mut recorder
+        && let Err(error) = recorder.finish()
+        && done.is_ok()
+    {
+        done = Err(error.into());
+    }
     if let Err(error) = done
         && !is_closed_pipe(&error)
     {
         return Err(error).with_context(|| format!("after {} frames", watch.shots()));
     }
+    if watch.shots() == 0 && undecodable > 0 {
+        bail!("no frame was stitched\n{}", watch.text());
+    }
+    watch.end(feed)?;
     let mut text = watch.text();
     let mut json = watch.json();
     if undecodable > 0 {
@@ -95,7 +98,7 @@ pub fn run(
     json["undecodable"] = json!(undecodable);
     if let Some(recorder) = &recorder {
         text = format!("{}\n{text}", recorder.path().display());
-        json["video"] = json!(recorder.path());
+        json["video"] = path_json(recorder.path());
     }
     Ok(Report::new(text, json))
 }

@@ -5,11 +5,14 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tectum_capture::preview::{Picture, Preview, Snapshot};
-use tectum_capture::{FrameFormat, Health, PairStatistics, Session, monotonic_ns};
+use tectum_capture::{
+    CaptureError, Frame, FrameFormat, Health, Moment, Operator, PairStatistics, Recorded, Shot,
+    monotonic_ns,
+};
 
 use super::Feed;
-use super::feed::Shot;
 use super::feed::counts_json;
+use super::outages::Outages;
 use crate::progress::Progress;
 
 /// From one line of figures to the next.
@@ -52,7 +55,16 @@ impl Times {
 pub struct Watch {
     eyes: [Option<(String, Arc<Health>)>; 2],
     preview: Option<Preview>,
+    operator: Option<Operator>,
+    attitude: Value,
+    session: Value,
+    is_stitched: bool,
+    /// The source has no more frames; the last ones stay.
+    has_ended: bool,
+    /// Each frame is shown: there may be no other.
+    shows_all: bool,
     progress: Progress,
+    _outages: Outages,
     start: Instant,
     shots: u64,
     work: Times,
@@ -69,11 +81,18 @@ impl Watch {
     pub fn new(feed: &Feed, preview: Option<Preview>) -> Self {
         let progress = Progress::endless();
         if let Some(preview) = &preview {
-            progress.note(&format!("preview: http://{}/", preview.address()));
+            progress.note(&preview.notice());
         }
         let watch = Self {
             eyes: feed.eyes(),
             preview,
+            operator: None,
+            attitude: Value::Null,
+            session: Value::Null,
+            is_stitched: false,
+            has_ended: false,
+            shows_all: !feed.is_live(),
+            _outages: Outages::tell(feed.eyes(), &progress),
             progress,
             start: Instant::now(),
             shots: 0,
@@ -84,8 +103,61 @@ impl Watch {
             rate_hz: 0.0,
             note: String::new(),
         };
-        watch.set_status(false, None);
+        watch.set_status();
         watch
+    }
+
+    /// With somebody who saves what clients of the preview ask for.
+    pub fn with_operator(mut self, operator: Operator) -> Self {
+        self.operator = Some(operator);
+        self
+    }
+
+    /// The feed has been opened again.
+    pub fn begin_again(&mut self, feed: &Feed) {
+        self.eyes = feed.eyes();
+        if let Some(preview) = &self.preview {
+            preview.set_eyes(feed.eyes());
+        }
+        self._outages = Outages::tell(feed.eyes(), &self.progress);
+    }
+
+    /// How the body is turned at the shot to come, for the page.
+    pub fn set_attitude(&mut self, attitude: Value) {
+        self.attitude = attitude;
+    }
+
+    /// What the page draws and says of a calibration session.
+    pub fn set_session(&mut self, session: Value) {
+        self.session = session;
+    }
+
+    /// There will be no more frames; the last ones stay on the page.
+    pub fn hold(&mut self) {
+        self.has_ended = true;
+        self.end_recording();
+        let nothing = Moment {
+            eyes: [None, None],
+            stitched: None,
+        };
+        self.operate(&nothing);
+        self.set_status();
+    }
+
+    /// The feed has ended: takes its last figures.
+    ///
+    /// # Errors
+    /// If nothing came at all.
+    pub fn end(&mut self, feed: &Feed) -> Result<(), CaptureError> {
+        self.statistics = feed.statistics();
+        self.end_recording();
+        if self.shots > 0 {
+            return Ok(());
+        }
+        let eyes = self.eyes.iter().flatten();
+        Err(CaptureError::no_frames(
+            eyes.map(|(name, health)| (&**name, &**health)),
+        ))
     }
 
     /// Shots so far.
@@ -110,7 +182,6 @@ impl Watch {
         stitched: Option<Stitched<'_>>,
         begun: Instant,
         statistics: &PairStatistics,
-        session: Option<&Session>,
     ) {
         self.shots += 1;
         self.statistics = *statistics;
@@ -123,20 +194,62 @@ impl Watch {
             self.latency.add(ms);
             self.lately.2.add(ms);
         }
-        if let Some(preview) = self.preview.as_ref().filter(|preview| preview.is_due()) {
-            let [left, right] = shot.map(|frame| frame.map(|f| Picture::new(f.data, f.format)));
-            preview.publish(Snapshot {
-                number: self.shots,
-                stitched: stitched.map(|(data, format)| Picture::new(data, format)),
-                left,
-                right,
-            });
+        let stitched = stitched.and_then(|(data, format)| {
+            let like = shot[0].or(shot[1])?;
+            Some(Frame {
+                data,
+                format,
+                ..like
+            })
+        });
+        self.operate(&Moment {
+            eyes: *shot,
+            stitched,
+        });
+        if let Some(preview) = &self.preview {
+            preview.frame_came();
+            if self.shows_all || preview.is_due() {
+                let [left, right] = shot.map(|frame| frame.as_ref().map(Picture::of));
+                preview.publish(Snapshot {
+                    number: self.shots,
+                    stitched: stitched.as_ref().map(Picture::of),
+                    left,
+                    right,
+                });
+            }
         }
+        self.is_stitched = stitched.is_some();
         if self.lately.0.elapsed() >= SAY_EVERY {
             self.rate_hz = self.lately.1 as f64 / self.lately.0.elapsed().as_secs_f64();
             self.progress.say(self.line());
-            self.set_status(stitched.is_some(), session);
+            self.set_status();
             self.lately = (Instant::now(), 0, Times::default());
+        }
+    }
+
+    /// What is being recorded for a client becomes whole on the disk.
+    pub fn end_recording(&mut self) {
+        if let Some(operator) = &mut self.operator {
+            operator.end();
+        }
+    }
+
+    fn recorded(&self) -> &[Recorded] {
+        self.operator.as_ref().map_or(&[], Operator::recorded)
+    }
+
+    /// Records, and does what clients ask for.
+    fn operate(&mut self, moment: &Moment<'_>) {
+        let Some(operator) = &mut self.operator else {
+            return;
+        };
+        operator.frames(moment);
+        while let Some(asked) = self.preview.as_ref().and_then(Preview::next_request) {
+            if moment.eyes.iter().all(Option::is_none) {
+                asked.answer(Err("the recording has ended".to_owned()));
+            } else {
+                operator.answer(asked, moment);
+            }
         }
     }
 
@@ -157,19 +270,14 @@ impl Watch {
         line
     }
 
-    fn set_status(&self, is_stitched: bool, session: Option<&Session>) {
+    fn set_status(&self) {
         let Some(preview) = &self.preview else {
             return;
         };
         let statistics = &self.statistics;
-        let coverage = session.map(|session| {
-            let [left, right] = session.coverage();
-            json!({
-                "side": tectum_capture::Coverage::side(),
-                "left": left.cells(), "right": right.cells(),
-            })
-        });
-        let state = if self.shots == 0 {
+        let state = if self.has_ended {
+            "end of the recording".to_owned()
+        } else if self.shots == 0 {
             "waiting for frames".to_owned()
         } else if self.note.is_empty() {
             format!("{:.1} Hz", self.rate_hz)
@@ -178,8 +286,11 @@ impl Watch {
         };
         let status = json!({
             "state": state,
-            "stitched": is_stitched,
-            "coverage": coverage,
+            "stitched": self.is_stitched,
+            "ended": self.has_ended,
+            "attitude": self.attitude,
+            "operator": self.operator.as_ref().map(Operator::status),
+            "session": self.session,
             "figures": {
                 "frame rate": format!("{:.1} Hz", self.rate_hz),
                 "latency": self.lately.2.text(),
@@ -227,6 +338,15 @@ impl Watch {
                 "\n{name}: {} frames, {} dropped, {} damaged, {} times back",
                 counts.frames, counts.dropped, counts.corrupt, counts.reconnects
             );
+            if counts.misstamped > 0 {
+                text += &format!(", {} left out for a wrong time", counts.misstamped);
+            }
+            if counts.clock_jumps > 0 {
+                text += &format!(", its clock jumped {} times", counts.clock_jumps);
+            }
+        }
+        for recorded in self.recorded() {
+            text += &format!("\n{recorded}");
         }
         text
     }
@@ -234,6 +354,17 @@ impl Watch {
     /// Everything, for a script.
     pub fn json(&self) -> Value {
         let statistics = &self.statistics;
+        let recordings: Vec<_> = self
+            .recorded()
+            .iter()
+            .map(|recorded| {
+                json!({
+                    "name": recorded.name, "frames": recorded.frames,
+                    "left_out": recorded.left_out, "lost": recorded.lost,
+                    "failure": recorded.failure,
+                })
+            })
+            .collect();
         let eye = |eye: &Option<(String, Arc<Health>)>| {
             eye.as_ref()
                 .map(|(_, health)| counts_json(&health.counts()))
@@ -252,6 +383,7 @@ impl Watch {
             "drift_ppm": statistics.drift.ppm(),
             "left": eye(&self.eyes[0]),
             "right": eye(&self.eyes[1]),
+            "recordings": recordings,
         })
     }
 }

@@ -10,6 +10,7 @@ use tectum_optics::Rig;
 
 use crate::args::OutputArgs;
 use crate::progress::Progress;
+use crate::ranges::{range_json, range_line};
 use crate::report::{Report, max_rms};
 use crate::{files, instructions};
 
@@ -21,6 +22,8 @@ const BYTES_PER_PIXEL: usize = 135;
 #[command(after_help = "EXAMPLES:\n  \
     tectum bake rig.toml -o fish.tct\n  \
     tectum bake rig.toml -o gimbal.tct --projection perspective --yaw 30 --pitch -10 --fov 70\n  \
+    tectum bake rig.toml -o seen.tct --projection design --fit   the part that the eyes see\n  \
+    tectum bake rig.toml -o front.tct --yaw -135..135 --pitch -60..40\n  \
     tectum bake rig.toml -o scaled.tct --scales=15           lines every 15 degrees, drawn on the fish\n  \
     tectum bake rig.toml -o large.tct --size 1280x640 --max-error 0.035 --json")]
 pub struct Args {
@@ -46,6 +49,7 @@ pub struct Args {
 /// Bakes and writes.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let rig = Rig::load(&args.rig)?;
+    files::check_outputs([&args.output], files::rig_inputs(&args.rig))?;
     let options = BakeOptions {
         output: args.picture.output_map(&rig)?,
         max_error_px: args.max_error,
@@ -62,12 +66,15 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     files::write(&args.output, &baked.bytes)?;
     let [width, height] = options.output.size_px;
     let text = format!(
-        "{}: {width}x{height} px from rig {:?}\n{}",
+        "{}: {width}x{height} px from rig {:?}\n{}{}",
         args.output.display(),
         rig.name,
+        range_line(&options.output),
         cost_sheet(&baked, &rig, width)
     );
-    Ok(Report::new(text, cost_json(&baked, &args.output)))
+    let mut json = cost_json(&baked, &args.output);
+    json["shows"] = range_json(&options.output);
+    Ok(Report::new(text, json))
 }
 
 /// Refuses an output that this machine cannot bake, before the system ends the program for it.

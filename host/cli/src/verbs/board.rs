@@ -91,9 +91,11 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let targets = TargetFile { targets };
     let text = targets.to_json()? + "\n";
     files.push((description.clone(), text.into_bytes()));
-    for (path, bytes) in &files {
-        files::write(path, bytes)?;
-    }
+    let group: Vec<(&Path, &[u8])> = files
+        .iter()
+        .map(|(path, bytes)| (&**path, &**bytes))
+        .collect();
+    files::write_group(&group)?;
     let prints = &files[..files.len() - 1];
     let names: Vec<String> = prints.iter().map(|(path, _)| name(path)).collect();
     let json = json!({

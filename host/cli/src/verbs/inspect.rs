@@ -15,6 +15,7 @@ use tectum_optics::{Rig, RigEye};
 use tectum_tables::{Mesh, RunKind, Tables};
 
 use crate::areas;
+use crate::ranges::{range_json, range_line};
 use crate::report::{Report, Usage};
 use crate::{draw, files, pictures};
 
@@ -62,10 +63,11 @@ fn table(tables: &Tables<'_>, file: &Path) -> Report {
         .collect();
     let mut text = format!(
         "{}: table, {} bytes, checksum good, proven safe to run\n\
-         output  {width}x{height} px, {:?}\nrig     {rig}\n",
+         output  {width}x{height} px, {:?}\n{}rig     {rig}\n",
         file.display(),
         tables.length_bytes(),
-        map.formula
+        map.formula,
+        range_line(&map),
     );
     let mut meshes = Vec::new();
     for eye in Eye::BOTH {
@@ -126,6 +128,7 @@ fn table(tables: &Tables<'_>, file: &Path) -> Report {
         "kind": "table",
         "bytes": tables.length_bytes(),
         "output_px": [width, height],
+        "shows": range_json(&map),
         "formula": format!("{:?}", map.formula).to_lowercase(),
         "rig_fingerprint": rig,
         "meshes": meshes,

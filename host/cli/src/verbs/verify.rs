@@ -82,7 +82,6 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
                 verification.mismatches
             )
         }),
-        beside_output: false,
     })
 }
 

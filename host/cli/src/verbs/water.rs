@@ -82,6 +82,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         "# {label}. For measurements calibrate in water.\n{}",
         water.to_toml()?
     );
+    files::check_outputs([&args.output], [&args.eye])?;
     files::write(&args.output, text.as_bytes())?;
     let widest = [&air, &water].map(|eye| 2.0 * eye.eye.field.widest_rad().to_degrees());
     Ok(report(args, front, &found, widest))

@@ -227,6 +227,15 @@ fn outputs_that_cannot_be_are_refused() {
         &bench.refused(1, &bake("--projection perspective --pitch 89 --fov 10")),
         &["no output pixel is seen"],
     );
+    for (range, words) in [
+        ("--yaw 30..-30", ["yaw from 30 to -30", "ascending"]),
+        ("--yaw -200..200", ["yaw from -200 to 200", "360 apart"]),
+        ("--pitch -100..10", ["pitch from -100 to 10", "-90 to 90"]),
+        ("--fit=91", ["91", "0 to 90"]),
+        ("--fit=nan", ["NaN", "0 to 90"]),
+    ] {
+        assert_says(&bench.refused(1, &bake(range)), &words);
+    }
     fs::create_dir(bench.path("out.tct")).unwrap();
     let message = bench.refused(1, &bake("--size 160x80 --max-error 0.4"));
     assert_says(&message, &["out.tct", "folder"]);
@@ -258,6 +267,10 @@ fn wrong_usage_is_exit_code_2() {
         "bake rig.toml -o out.tct --yaw 10",
         "bake rig.toml -o out.tct --projection cylindrical --pitch 10",
         "bake rig.toml -o out.tct --projection fisheye --yaw nan",
+        "bake rig.toml -o out.tct --projection fisheye --yaw -10..10",
+        "bake rig.toml -o out.tct --projection perspective --fit",
+        "bake rig.toml -o out.tct --yaw -10..",
+        "bake rig.toml -o out.tct --yaw -10..10 --fit",
         "stitch fish.tct -o out.png",
         "lookup fish.tct",
         "lookup fish.tct --yaw 10",

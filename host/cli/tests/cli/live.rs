@@ -249,11 +249,69 @@ fn bad_input_ends_in_one_clear_message() {
         superseded: false,
     };
     small.write(&frame).unwrap();
+    small.finish().unwrap();
     says(
         1,
         &format!("{live} --left left.y4m --right small.y4m -o o.y4m"),
         &["differ", "YUYV 240x240", "YUYV 8x8"],
     );
+}
+
+#[test]
+fn folders_pair_by_name_and_what_is_hidden_or_no_number_is_left_out() {
+    let bench = Bench::with_table();
+    for (eye, numbers) in [("l", [1, 3, 4].as_slice()), ("r", &[1, 2, 3, 4])] {
+        fs::create_dir(bench.path(eye)).unwrap();
+        for number in numbers {
+            image::RgbImage::from_pixel(240, 240, image::Rgb([*number; 3]))
+                .save(bench.path(&format!("{eye}/frame{number}.png")))
+                .unwrap();
+        }
+        fs::write(bench.path(&format!("{eye}/._1.png")), b"a companion file").unwrap();
+    }
+    let report = bench.json("capture c --left l --right r --record y4m");
+    assert_eq!(report["frames"], 3);
+    assert_eq!(report["alone"], serde_json::json!([0, 1]));
+    let about = fs::read_to_string(bench.path("c/recording.json")).unwrap();
+    let about: serde_json::Value = serde_json::from_str(&about).unwrap();
+    assert_eq!(about["left"]["size_px"], serde_json::json!([240, 240]));
+    assert!(about["clock"]["unix_ns"].as_i64().unwrap() > 0);
+    bench.refused(2, "capture d --left l --right r --record y4m --seconds nan");
+    bench.refused(
+        2,
+        "capture d --left l --right r --record y4m --tolerance-ms nan",
+    );
+}
+
+#[test]
+fn both_eyes_side_by_side_are_two_videos() {
+    let bench = Bench::new();
+    let format = FrameFormat::packed(Layout::Yuyv, [16, 4]);
+    let row: Vec<u8> = (0..32).map(|i| if i < 16 { 50 } else { 150 }).collect();
+    let data = row.repeat(4);
+    let mut video = Recorder::create(&bench.path("wide.y4m"), VideoKind::Y4m, [30, 1]).unwrap();
+    for sequence in 0..3 {
+        let frame = Frame {
+            data: &data,
+            format,
+            time_ns: i64::from(sequence) * 33_333_333,
+            sequence,
+            superseded: false,
+        };
+        video.write(&frame).unwrap();
+    }
+    video.finish().unwrap();
+    let report = bench.json("capture c --side-by-side wide.y4m --record y4m");
+    assert_eq!(report["frames"], 3);
+    for (eye, value) in [("left", 50), ("right", 150)] {
+        let frames = read(&bench.path(&format!("c/{eye}.y4m")));
+        assert_eq!(frames, [(0, value), (1, value), (2, value)], "{eye}");
+    }
+    let arguments = "view --side-by-side wide.y4m --address 127.0.0.1:0 --at-end stop --json";
+    let shown = bench.run(arguments).stdout;
+    let shown: serde_json::Value = serde_json::from_slice(&shown).unwrap();
+    assert_eq!(shown["frames"], 3);
+    assert_eq!(shown["recordings"], serde_json::json!([]));
 }
 
 #[cfg(not(feature = "v4l2"))]

@@ -15,5 +15,6 @@ mod matching;
 mod motion;
 mod page;
 mod register;
+mod slips;
 mod verbs;
 mod water;

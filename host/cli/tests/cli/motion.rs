@@ -35,7 +35,7 @@ fn scales_of_the_world_stay_level_when_the_body_does_not() {
 }
 
 #[test]
-fn attitudes_must_be_of_every_frame() {
+fn attitudes_must_be_there_for_the_time_of_every_frame() {
     let bench = Bench::with_table();
     bench.done("simulate rig.toml -o swim --motion swim --seconds 1 --fps 2 --samples 1");
     let stitch = "stitch fish.tct --live --left swim/left.y4m --right swim/right.y4m";
@@ -46,14 +46,16 @@ fn attitudes_must_be_of_every_frame() {
     let output = bench.run(&format!("{stitch} -o out.y4m --scales --attitude a.csv"));
     let says = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(
-        !output.status.success() && says.contains("no row for frame 1"),
+        !output.status.success() && says.contains("no row for 0.500 s"),
         "{says}"
     );
     write(&[rows[0], rows[2]]);
     let says = bench.refused(1, &format!("{stitch} -o x.y4m --scales --attitude a.csv"));
-    assert!(
-        says.contains("frame 1 stands where frame 0 should"),
-        "{says}"
-    );
+    assert!(says.contains("no row for 0.000 s"), "{says}");
+    // What is no number is no angle.
+    let broken = rows[2].replacen("0.5", "NaN", 1);
+    write(&[rows[0], rows[1], &broken]);
+    let says = bench.refused(1, &format!("{stitch} -o x.y4m --scales --attitude a.csv"));
+    assert!(says.contains("needed are numbers"), "{says}");
     bench.refused(2, &format!("{stitch} -o x.y4m --attitude a.csv"));
 }

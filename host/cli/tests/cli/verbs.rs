@@ -110,6 +110,41 @@ fn bake_takes_every_projection() {
 }
 
 #[test]
+fn bake_takes_ranges_and_fits_them() {
+    let bench = Bench::with_pictures();
+    let bake = "bake rig.toml -o p.tct --size 160x80 --max-error 1";
+    for (projection, more) in [
+        ("equirect", "--yaw -135..135 --pitch -60..40"),
+        ("design", "--pitch -70..70"),
+        ("cylindrical", "--yaw 90..270"),
+    ] {
+        let baked = bench.json(&format!("{bake} --projection {projection} {more}"));
+        let inspected = bench.json("inspect p.tct");
+        for pointer in ["/shows/yaw_deg", "/shows/pitch_deg"] {
+            for i in [0, 1] {
+                let at = format!("{pointer}/{i}");
+                // The table's steps are in Q28, times 160 pixels.
+                let apart = number(&baked, &at) - number(&inspected, &at);
+                assert!(apart.abs() < 1e-3, "{baked} {inspected}");
+            }
+        }
+        bench.done("stitch p.tct --left left.png --right right.png -o p.png --scales");
+        assert_eq!(bench.picture_size("p.png"), (160, 80));
+    }
+    bench.done(&format!("{bake} --yaw -30..150 --pitch -60..20"));
+    let json = bench.json("lookup p.tct --yaw 60 --pitch -20");
+    // The middle of both ranges is the middle of the picture; a pixel is a degree and more.
+    assert!((number(&json, "/x") - 79.5).abs() < 0.02, "{json}");
+    assert!((number(&json, "/y") - 39.5).abs() < 0.02, "{json}");
+    assert!(bench.json("lookup p.tct --yaw -40 --pitch 0")["x"].is_null());
+
+    let fitted = bench.json(&format!("{bake} --projection design --fit=3"));
+    let pixels = |kind: &str| number(&fitted, &format!("/pixels/{kind}"));
+    assert!(pixels("void") <= 0.03 * 160.0 * 80.0, "{fitted}");
+    assert_eq!(fitted["shows"]["frame"], "design");
+}
+
+#[test]
 fn verify_counts_mismatches_and_errors() {
     let bench = Bench::with_pictures();
     let noise = bench.json("verify fish.tct");

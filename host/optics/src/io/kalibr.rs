@@ -27,8 +27,8 @@ struct Camera {
 /// [`CalibFileError`] if the text is not such a file, a camera's number is left out, or a model is
 /// none of `pinhole` with `equidistant`, `ds`, `eucm`.
 pub fn parse(text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
-    let mut chain: BTreeMap<String, Camera> =
-        serde_saphyr::from_str(text).map_err(|error| CalibFileError::Syntax {
+    let mut chain: BTreeMap<String, Camera> = serde_saphyr::from_str(without_header(text))
+        .map_err(|error| CalibFileError::Syntax {
             format: "Kalibr",
             message: error.to_string(),
         })?;
@@ -41,6 +41,13 @@ pub fn parse(text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
         read(&name, &camera)
     });
     cameras.collect()
+}
+
+/// The text without a byte-order mark and the header `%YAML:1.0`, which OpenCV's writer puts first
+/// and which is no directive of YAML.
+pub(super) fn without_header(text: &str) -> &str {
+    let text = text.trim_start_matches('\u{feff}');
+    text.strip_prefix("%YAML:1.0").unwrap_or(text)
 }
 
 fn read(name: &str, camera: &Camera) -> Result<CalibratedCamera, CalibFileError> {

@@ -7,9 +7,10 @@
 //! | [`kalibr`] | camera chain of Kalibr | Kannala-Brandt, double sphere, EUCM |
 //! | [`basalt`] | calibration JSON of Basalt | the same |
 //!
-//! All take and give text; which file it came from is the caller's to say. What is written reads
+//! All take and give text; [`any`] tells the format by the content. What is written reads
 //! back equal, bit by bit.
 
+pub mod any;
 pub mod basalt;
 mod error;
 mod inverse_polynomial;

@@ -8,10 +8,14 @@
 //! `x = x' + e y' + cx`, `y = d x' + c y' + cy` (Scaramuzza, OCamCalib 3.0, `export_data.m`).
 
 use std::fmt::Write;
+use std::ops::RangeInclusive;
 
 use super::inverse_polynomial::inverse_polynomial;
 use super::{CalibFileError, checked_size_px};
 use crate::camera::{Ocam, ParameterError};
+
+/// Most coefficients of an inverse polynomial. Nothing here needs it: it is read to be kept.
+const MAX_INVERSE_COEFFICIENTS: usize = 4096;
 
 /// What the file holds, in the toolbox's convention.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,8 +41,9 @@ impl OcamCalib {
     /// [`CalibFileError`] if a number is missing, not finite, or a count or size out of range.
     pub fn parse(text: &str) -> Result<Self, CalibFileError> {
         let mut numbers = Numbers::new(text);
-        let polynomial = numbers.series("direct polynomial")?;
-        let inverse_polynomial = numbers.series("inverse polynomial")?;
+        let polynomial = numbers.series("direct polynomial", 1..=Ocam::MAX_COEFFICIENTS)?;
+        let inverse_polynomial =
+            numbers.series("inverse polynomial", 0..=MAX_INVERSE_COEFFICIENTS)?;
         let centre_row_column_px = [numbers.real("centre row")?, numbers.real("centre column")?];
         let affine = [
             numbers.real("affine c")?,
@@ -90,16 +95,28 @@ impl OcamCalib {
     /// The file of a camera with frames of `size_px` (width, height). The inverse polynomial is
     /// fitted over the model's field, to 0.01 px where some degree up to 20 can. The file has no
     /// place for decentring: it is left out.
-    pub fn from_model(model: &Ocam, size_px: [u16; 2]) -> Self {
+    ///
+    /// # Errors
+    /// [`CalibFileError::Value`] if no polynomial of finite numbers fits, as of a lens whose field is
+    /// a point.
+    pub fn from_model(model: &Ocam, size_px: [u16; 2]) -> Result<Self, CalibFileError> {
         let [x, y] = model.centre_px;
-        Self {
+        let inverse_polynomial = inverse_polynomial(model);
+        if inverse_polynomial.is_empty() || !inverse_polynomial.iter().all(|b| b.is_finite()) {
+            return Err(CalibFileError::value(
+                "inverse polynomial",
+                &format!("{:?}", model.polynomial),
+                "a lens whose radius is a smooth function of the angle",
+            ));
+        }
+        Ok(Self {
             // Subtracting gives 0 for 0, a minus sign -0.
             polynomial: model.polynomial.iter().map(|a| 0.0 - a).collect(),
-            inverse_polynomial: inverse_polynomial(model),
+            inverse_polynomial,
             centre_row_column_px: [y, x],
             affine: model.affine,
             size_px,
-        }
+        })
     }
 
     /// Distance from the centre to the sensor's farthest corner, px before the affine map.
@@ -136,9 +153,10 @@ struct Numbers<'a> {
 impl<'a> Numbers<'a> {
     fn new(text: &'a str) -> Self {
         let words = text
+            .trim_start_matches('\u{feff}')
             .lines()
             .enumerate()
-            .filter(|(_, line)| !line.trim_start().starts_with('#'))
+            .map(|(index, line)| (index, line.split('#').next().unwrap_or_default()))
             .flat_map(|(index, line)| line.split_whitespace().map(move |word| (index + 1, word)));
         Self {
             words: Box::new(words),
@@ -178,16 +196,24 @@ impl<'a> Numbers<'a> {
     }
 
     /// A count and as many numbers.
-    fn series(&mut self, what: &str) -> Result<Vec<f64>, CalibFileError> {
+    fn series(
+        &mut self,
+        what: &str,
+        allowed: RangeInclusive<usize>,
+    ) -> Result<Vec<f64>, CalibFileError> {
         let (line, count) = self.integer(&format!("number of coefficients of the {what}"))?;
         match usize::try_from(count) {
-            Ok(count) if (1..=Ocam::MAX_COEFFICIENTS).contains(&count) => (0..count)
+            Ok(count) if allowed.contains(&count) => (0..count)
                 .map(|i| self.real(&format!("coefficient {i} of the {what}")))
                 .collect(),
             _ => Err(CalibFileError::value(
                 &format!("line {line}, number of coefficients of the {what}"),
                 &count.to_string(),
-                "1 to 64",
+                if *allowed.start() == 0 {
+                    "0 to 4096"
+                } else {
+                    "1 to 64"
+                },
             )),
         }
     }

@@ -8,6 +8,7 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
+use super::kalibr::without_header;
 use super::{CalibFileError, checked_size_px};
 use crate::camera::KannalaBrandt;
 
@@ -26,11 +27,14 @@ pub struct Matrix {
     pub data: Vec<f64>,
 }
 
-/// The numbers and matrices of a file; text, lists and maps are not kept.
+/// The numbers, words and matrices of a file; lists, maps, and matrices of several channels, such as
+/// image points, are not kept.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FileStorage {
     /// Single numbers by name.
     pub numbers: BTreeMap<String, f64>,
+    /// Texts by name.
+    pub words: BTreeMap<String, String>,
     /// Matrices by name.
     pub matrices: BTreeMap<String, Matrix>,
 }
@@ -51,8 +55,7 @@ impl FileStorage {
     /// [`CalibFileError`] if it is not YAML, or a matrix is not what its `rows` and `cols` say, or
     /// holds something that is not a finite number.
     pub fn parse(text: &str) -> Result<Self, CalibFileError> {
-        let yaml = text.trim_start_matches('\u{feff}');
-        let yaml = yaml.strip_prefix(HEADER).unwrap_or(yaml);
+        let yaml = without_header(text);
         let root: BTreeMap<String, Value> =
             serde_saphyr::from_str(yaml).map_err(|error| CalibFileError::Syntax {
                 format: "OpenCV",
@@ -63,8 +66,12 @@ impl FileStorage {
             if let Some(number) = value.as_f64() {
                 storage.numbers.insert(name, number);
             } else if value.get("rows").is_some() {
-                let matrix = read_matrix(&name, &value)?;
-                storage.matrices.insert(name, matrix);
+                if channels(&value) == 1 {
+                    let matrix = read_matrix(&name, &value)?;
+                    storage.matrices.insert(name, matrix);
+                }
+            } else if let Some(word) = value.as_str() {
+                storage.words.insert(name, word.to_owned());
             }
         }
         Ok(storage)
@@ -76,6 +83,10 @@ impl FileStorage {
         // Writing to a string cannot fail.
         for (name, number) in &self.numbers {
             let _ = writeln!(text, "{name}: {number}");
+        }
+        for (name, word) in &self.words {
+            // A string of JSON is one of YAML too.
+            let _ = writeln!(text, "{name}: {}", Value::from(word.as_str()));
         }
         for (name, matrix) in &self.matrices {
             let Matrix { rows, cols, data } = matrix;
@@ -111,6 +122,15 @@ impl FileStorage {
     /// [`CalibFileError`] if a matrix is missing or of the wrong shape, K has skew, or the numbers
     /// are no camera.
     pub fn fisheye(&self) -> Result<FisheyeCalib, CalibFileError> {
+        if let Some(model) = self.words.get("distortion_model")
+            && !["equidistant", "fisheye"].contains(&&**model)
+        {
+            return Err(CalibFileError::value(
+                "distortion_model",
+                model,
+                "equidistant: a calibration for a fisheye lens",
+            ));
+        }
         let (k_name, k) = self.either("K", "camera_matrix")?;
         let (d_name, d) = self.either("D", "distortion_coefficients")?;
         let shape = |matrix: &Matrix| format!("{}x{}", matrix.rows, matrix.cols);
@@ -186,6 +206,13 @@ impl From<&FisheyeCalib> for FileStorage {
         ]);
         storage
     }
+}
+
+/// Channels of a matrix by its `dt`, such as `d` or `2f`.
+fn channels(matrix: &Value) -> u32 {
+    let dt = matrix.get("dt").and_then(Value::as_str).unwrap_or_default();
+    let digits = dt.trim_end_matches(|c: char| !c.is_ascii_digit());
+    digits.parse().unwrap_or(1)
 }
 
 fn read_matrix(name: &str, value: &Value) -> Result<Matrix, CalibFileError> {

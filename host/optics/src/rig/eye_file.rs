@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::file::{EyeFile, LensFile, Medium};
-use super::{RigError, read};
+use super::{RigError, include, read};
 use crate::camera::CameraModel;
 use crate::{Eye, Field};
 
@@ -75,9 +75,11 @@ impl CalibratedEye {
     /// # Errors
     /// As [`CalibratedEye::load`].
     pub fn from_toml(text: &str, file: &str) -> Result<Self, RigError> {
-        let parsed: File = toml::from_str(text).map_err(|error| RigError::Syntax {
-            file: file.to_owned(),
-            message: error.to_string(),
+        let parsed: File = toml::from_str(text).map_err(|error| {
+            include::another_kind(text, file, include::Kind::Eye).unwrap_or(RigError::Syntax {
+                file: file.to_owned(),
+                message: error.to_string(),
+            })
         })?;
         if parsed.eye.pose.is_some() {
             return Err(RigError::Keys {

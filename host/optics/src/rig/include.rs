@@ -1,13 +1,15 @@
 //! Rig files that name the files of their eyes: `[left]` with `file = "left.toml"`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::RigError;
 use super::eye_file::CalibratedEye;
-use super::file::{EyeFile, Medium, RigFile};
+use super::file::{EyeFile, LensFile, Medium, RigFile};
+use super::read;
+use crate::io::any::Format;
 
 /// The rig with its eyes' sections from the files they name; `None` if it names none, or is no
 /// TOML at all. A field given in the rig goes before the file's: the lens may show more than its
@@ -18,6 +20,7 @@ pub(super) fn resolve(text: &str, rig: &Path) -> Result<Option<RigFile>, RigErro
     };
     let file = rig.display().to_string();
     let mut media = Vec::new();
+    let mut names_files = false;
     for side in ["left", "right"] {
         let Some(Value::Table(section)) = table.get_mut(side) else {
             continue;
@@ -40,11 +43,21 @@ pub(super) fn resolve(text: &str, rig: &Path) -> Result<Option<RigFile>, RigErro
             ));
         }
         let folder = rig.parent().unwrap_or(Path::new(""));
-        let eye = CalibratedEye::load(&folder.join(&named))?;
-        media.push((named, eye.medium));
-        insert(section, &EyeFile::from(&eye.eye)).map_err(|error| keys(error.to_string()))?;
+        let (eye, medium) = eye_of(&folder.join(&named), side)?;
+        if eye.field_deg.is_none()
+            && eye.half_angles_deg.is_none()
+            && !section.contains_key("field_deg")
+            && !section.contains_key("half_angles_deg")
+        {
+            return Err(keys(format!(
+                "{named} says nothing of the lens's field: give field_deg, its full angle, here"
+            )));
+        }
+        names_files = true;
+        media.extend(medium.map(|medium| (named, medium)));
+        insert(section, &eye).map_err(|error| keys(error.to_string()))?;
     }
-    if media.is_empty() {
+    if !names_files {
         return Ok(None);
     }
     let parsed = RigFile::deserialize(table).map_err(|error| RigError::Syntax {
@@ -53,6 +66,79 @@ pub(super) fn resolve(text: &str, rig: &Path) -> Result<Option<RigFile>, RigErro
     })?;
     check_media(&parsed, &media, file)?;
     Ok(Some(parsed))
+}
+
+/// The section of an eye from its own file, or from another tool's calibration; the latter says
+/// neither medium nor field. Of a file with two cameras the first is the left eye.
+fn eye_of(path: &Path, side: &str) -> Result<(EyeFile, Option<Medium>), RigError> {
+    let (text, file) = (read::text(path)?, path.display().to_string());
+    let Some(format) = Format::of(&text) else {
+        let eye = CalibratedEye::from_toml(&text, &file)?;
+        return Ok((EyeFile::from(&eye.eye), Some(eye.medium)));
+    };
+    let cameras = format.cameras(&text).map_err(|error| RigError::Keys {
+        file: file.clone(),
+        what: format!("read as {format}: {error}"),
+    })?;
+    let index = usize::from(side == "right").min(cameras.len().saturating_sub(1));
+    let camera = cameras.get(index).ok_or_else(|| RigError::Keys {
+        file,
+        what: format!("{format} without a camera"),
+    })?;
+    let eye = EyeFile {
+        size_px: camera.size_px.map(u32::from),
+        field_deg: None,
+        half_angles_deg: None,
+        lens: LensFile::from(&camera.model),
+        pose: None,
+    };
+    Ok((eye, None))
+}
+
+/// The files that a rig's file names: those of its eyes and of its `[stitching]`. Empty if it
+/// cannot be read or is no TOML.
+pub(super) fn named_files(rig: &Path) -> Vec<PathBuf> {
+    let text = read::text(rig).unwrap_or_default();
+    let table = text.parse::<Table>().unwrap_or_default();
+    let folder = rig.parent().unwrap_or(Path::new(""));
+    let file = |section: Option<&Value>| Some(folder.join(section?.get("file")?.as_str()?));
+    let eyes = ["left", "right"].map(|side| file(table.get(side)));
+    let stitching = table.get("stitching");
+    let pictures = ["seam", "tone", "warp"].map(|part| file(stitching?.get(part)));
+    eyes.into_iter().chain(pictures).flatten().collect()
+}
+
+/// What a file should have been.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Rig,
+    Eye,
+}
+
+/// What to say where a file that is not of the `wanted` kind is of another one that is known.
+pub(super) fn another_kind(text: &str, file: &str, wanted: Kind) -> Option<RigError> {
+    let keys = |what: String| RigError::Keys {
+        file: file.to_owned(),
+        what,
+    };
+    if let Some(format) = Format::of(text) {
+        return Some(keys(format!(
+            "this is {format}: make a rig that names it, with [left] and file = \"...\", and gives \
+             medium, field_deg and poses (tables/rigs/README.md)"
+        )));
+    }
+    let table = text.parse::<Table>().ok()?;
+    let is_eye = table.contains_key("eye");
+    let is_rig = table.contains_key("left") || table.contains_key("right");
+    match wanted {
+        Kind::Rig if is_eye && !is_rig => Some(keys(
+            "this is the file of one eye: a rig names it, with [left] and file = \"...\"".into(),
+        )),
+        Kind::Eye if is_rig && !is_eye => Some(keys(
+            "this is a rig: needed is the file of one eye, as `tectum calibrate` writes it".into(),
+        )),
+        _ => None,
+    }
 }
 
 fn insert(section: &mut Table, eye: &EyeFile) -> Result<(), toml::ser::Error> {
@@ -118,6 +204,37 @@ mod tests {
         let wider = load(&format!("{RIG}field_deg = 210.0\n"), EYE).unwrap();
         let field = &wider.left.as_ref().unwrap().eye.field;
         assert_eq!(field.widest_rad(), 105f64.to_radians());
+    }
+
+    #[test]
+    fn files_of_other_tools_are_eyes_too() {
+        let opencv = "%YAML:1.0\n---\nimage_width: 960\nimage_height: 720\n\
+            camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   \
+            data: [ 300., 0., 479.5, 0., 300., 359.5, 0., 0., 1. ]\n\
+            distortion_coefficients: !!opencv-matrix\n   rows: 4\n   cols: 1\n   dt: d\n   \
+            data: [ 0., 0., 0., 0. ]\n";
+        let rig = load(&format!("{RIG}field_deg = 150.0\n"), opencv).unwrap();
+        let eye = &rig.left.as_ref().unwrap().eye;
+        assert_eq!(eye.size_px, [960, 720]);
+        assert_eq!(eye.field.widest_rad(), 75f64.to_radians());
+        let message = load(RIG, opencv).unwrap_err();
+        assert!(message.contains("give field_deg"), "{message}");
+        let broken = opencv.replace("cols: 3", "cols: 4");
+        let message = load(RIG, &broken).unwrap_err();
+        assert!(
+            message.contains("OpenCV") && message.contains("left.toml"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn a_file_of_another_kind_is_told() {
+        let told = |text: &str| Rig::from_toml(text, "f").unwrap_err().to_string();
+        assert!(told(EYE).contains("file of one eye"), "{}", told(EYE));
+        let chain = "cam0:\n  camera_model: ds\n";
+        assert!(told(chain).contains("Kalibr"), "{}", told(chain));
+        let message = load(RIG, RIG).unwrap_err();
+        assert!(message.contains("this is a rig"), "{message}");
     }
 
     #[test]

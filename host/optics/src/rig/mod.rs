@@ -4,13 +4,14 @@ mod error;
 mod eye_file;
 mod file;
 mod include;
+mod of_eye_files;
 mod read;
 mod registered;
 mod stitching;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 use sha2::Digest;
@@ -19,6 +20,7 @@ pub use error::RigError;
 pub use eye_file::{CalibratedEye, Provenance};
 pub use file::Medium;
 use file::RigFile;
+pub use of_eye_files::RigOfEyeFiles;
 pub use stitching::{NamedFile, RgbCurves, SeamMap, Stitching, StitchingFile, WarpMap};
 
 use crate::convention::angle_between;
@@ -128,14 +130,22 @@ impl Rig {
         }
     }
 
+    /// The files that the rig's file at `path` names: those of its eyes and of its `[stitching]`.
+    /// Empty if it cannot be read.
+    pub fn named_files(path: &Path) -> Vec<PathBuf> {
+        include::named_files(path)
+    }
+
     /// A rig from the text of a rig file; `file` is its name for messages.
     ///
     /// # Errors
     /// As [`Rig::load`].
     pub fn from_toml(text: &str, file: &str) -> Result<Self, RigError> {
-        let parsed: RigFile = toml::from_str(text).map_err(|error| RigError::Syntax {
-            file: file.to_owned(),
-            message: error.to_string(),
+        let parsed: RigFile = toml::from_str(text).map_err(|error| {
+            include::another_kind(text, file, include::Kind::Rig).unwrap_or(RigError::Syntax {
+                file: file.to_owned(),
+                message: error.to_string(),
+            })
         })?;
         read::rig(parsed, file)
     }

@@ -9,8 +9,14 @@ use super::{Rig, RigError, RigEye, stitching};
 use crate::camera::{CameraModel, DoubleSphere, Equidistant, Eucm, KannalaBrandt, ParameterError};
 use crate::io::ocam_calib::OcamCalib;
 use crate::pose::rotation_vector;
-use crate::{Eye, Field, Pose, Side};
+use crate::{Eye, Field, Pose, Side, read_limited};
 
+/// Least radius of a field's image.
+const MIN_RADIUS_PX: f64 = 1.0;
+/// Greatest radius of a field's image, in the frame's longer sides: one that shows a tenth of it.
+const MAX_RADIUS_SIDES: f64 = 100.0;
+/// Longest text of a rig or an eye. An eye with thousands of pictures' hashes has some 200 KB.
+const MAX_TEXT_BYTES: u64 = 16 << 20;
 /// Largest side of a frame, px: what a table can address.
 const MAX_SIDE_PX: u32 = 16384;
 
@@ -51,7 +57,11 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
 
 /// A file's text.
 pub(super) fn text(path: &Path) -> Result<String, RigError> {
-    std::fs::read_to_string(path).map_err(|source| RigError::Read {
+    let read = read_limited(path, MAX_TEXT_BYTES).and_then(|bytes| {
+        String::from_utf8(bytes)
+            .map_err(|_| std::io::Error::new(std::io::ErrorKind::InvalidData, "it is not text"))
+    });
+    read.map_err(|source| RigError::Read {
         path: path.to_owned(),
         source,
     })
@@ -166,6 +176,27 @@ impl Reader<'_> {
         Ok(eye)
     }
 
+    /// The field's image must have a radius that a picture can have: numbers of the wrong unit or
+    /// power make one of a thousandth of a pixel, or of miles.
+    fn check_radius(&self, eye: &Eye, name: &str) -> Result<(), RigError> {
+        // As far as the sensor shows it, and short of the end, where the model may have no answer.
+        let angle = 0.99 * eye.half_angle_rad(0.0);
+        let ray = Vector3::new(libm::sin(angle), 0.0, libm::cos(angle));
+        let centre = eye.model.principal_point_px();
+        let radius_px = eye.model.project(&ray).map_or(0.0, |pixel| {
+            libm::hypot(pixel[0] - centre[0], pixel[1] - centre[1])
+        });
+        let largest_px = MAX_RADIUS_SIDES * f64::from(eye.size_px[0].max(eye.size_px[1]));
+        if (MIN_RADIUS_PX..=largest_px).contains(&radius_px) {
+            return Ok(());
+        }
+        Err(self.keys(format!(
+            "[{name}] field_deg and lens: the field's edge, {:.3} degrees off axis, lies {radius_px:.3e} \
+             px from the centre; allowed are {MIN_RADIUS_PX} to {largest_px} px",
+            angle.to_degrees()
+        )))
+    }
+
     /// The lens must be on its sensor and answer over the whole field.
     fn check_model(&self, eye: &Eye, name: &str) -> Result<(), RigError> {
         let centre = eye.model.principal_point_px();
@@ -175,7 +206,7 @@ impl Reader<'_> {
             return Err(self.value(&key, centre, "on the sensor (x, y in px)"));
         }
         match eye.model_gap_rad() {
-            None => Ok(()),
+            None => self.check_radius(eye, name),
             Some(end) => Err(self.keys(format!(
                 "[{name}] the field reaches farther than its lens model, which ends {:.1} degrees \
                  off axis: give a smaller field_deg, or better lens parameters",

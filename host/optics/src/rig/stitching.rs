@@ -13,10 +13,12 @@ use sha2::Digest;
 
 use super::RigError;
 use crate::convention::{direction, yaw_pitch};
-use crate::{OutputMap, Projection};
+use crate::{OutputMap, Projection, read_limited};
 
 /// Offset of the warp's channels: this value is no offset.
 const NO_OFFSET: f64 = 32768.0;
+/// Largest file of a picture: the greatest output in 16-bit RGBA, not compressed.
+const MAX_PICTURE_BYTES: u64 = 1 << 30;
 
 /// `[stitching]` as it is written.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -207,7 +209,7 @@ pub(super) fn read(
     };
     let picture = |named: &NamedFile| -> Result<DynamicImage, RigError> {
         let path = folder.join(&named.file);
-        let bytes = std::fs::read(&path).map_err(|source| RigError::Read {
+        let bytes = read_limited(&path, MAX_PICTURE_BYTES).map_err(|source| RigError::Read {
             path: path.clone(),
             source,
         })?;

@@ -52,12 +52,16 @@ fn record(path: &Path, layout: Layout, size_px: [u16; 2], data: &[u8]) -> anyhow
     let mut video = Recorder::create(path, VideoKind::Y4m, [60, 1])?;
     video.write(&Frame {
         data,
-        format: FrameFormat::packed(layout, size_px),
+        // As the driver's HDMI input says of its YUYV, by Video4Linux's rule.
+        format: FrameFormat {
+            full_range: layout != Layout::Yuyv,
+            ..FrameFormat::packed(layout, size_px)
+        },
         time_ns: 0,
         sequence: 0,
         superseded: false,
     })?;
-    Ok(())
+    Ok(video.finish()?)
 }
 
 /// Real fisheye pictures where they lie beside the checkout, else noise that no encoder softens.

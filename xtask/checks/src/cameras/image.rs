@@ -104,8 +104,9 @@ pub fn initramfs(
 
 /// What the script in the machine calls.
 const APPLETS: &[&str] = &[
-    "sh", "base64", "cat", "chmod", "chown", "cmp", "cp", "grep", "head", "insmod", "kill", "ln",
-    "mkdir", "mount", "poweroff", "sed", "sleep", "tail", "timeout", "wc",
+    "sh", "base64", "cat", "chmod", "chown", "cmp", "cp", "grep", "head", "ifconfig", "insmod",
+    "kill", "ln", "mkdir", "mount", "nc", "poweroff", "sed", "sleep", "tail", "timeout", "tr",
+    "wc",
 ];
 
 /// vivid and what it needs, in the order of loading.

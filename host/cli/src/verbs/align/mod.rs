@@ -159,8 +159,17 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         );
     }
     let outputs = args.output.as_deref().map(RigFiles::new);
-    for file in outputs.iter().flat_map(RigFiles::all).chain(&args.picture) {
-        files::check_writable(file)?;
+    let inputs = args.board_left.iter().chain(&args.board_right);
+    let inputs = inputs.chain([&args.table]).cloned();
+    files::check_outputs(
+        outputs
+            .iter()
+            .map(RigFiles::rig)
+            .chain(args.picture.as_deref()),
+        inputs.chain(files::rig_inputs(&args.rig)),
+    )?;
+    if let Some(path) = &args.picture {
+        pictures::format_of(path)?;
     }
     let map = output_map(&tables);
     let sides = [
@@ -215,12 +224,11 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             warp: right.warp.as_ref(),
         };
         let from = format!("{} and orientation boards", args.rig.display());
-        outputs.write(&right.rig, &parts, &from)?;
-        written = outputs.written(&parts);
+        (_, written) = outputs.write(&right.rig, &parts, &from)?;
     }
     if let Some(path) = &args.picture {
         pictures::save(path, drawing::draw(&done))?;
-        written.push(path);
+        written.push(path.clone());
     }
     Ok(summary::report(&done, &written))
 }

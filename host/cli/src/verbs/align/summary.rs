@@ -1,7 +1,7 @@
 //! What the boards say, to a person and to a script.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
 use nalgebra::Rotation3;
 use serde_json::{Value, json};
@@ -10,10 +10,10 @@ use tectum_optics::{Side, vector_of_rotation};
 use tectum_stitch::orientation::{BoardSeen, CornerSeen, TurnAbout};
 
 use super::Done;
-use crate::report::Report;
+use crate::report::{Report, paths_json};
 
 /// The verb's report.
-pub fn report(done: &Done, written: &[&Path]) -> Report {
+pub fn report(done: &Done, written: &[PathBuf]) -> Report {
     let found = done.found;
     let off_deg: Vec<f64> = found
         .corners
@@ -84,7 +84,7 @@ pub fn report(done: &Done, written: &[&Path]) -> Report {
         "own_scale": { "left_out_rms_deg": left_out_deg },
         "boards": found.boards.iter().map(|board| board_json(done, board)).collect::<Vec<_>>(),
         "corners": found.corners.iter().map(|c| corner_json(done, c)).collect::<Vec<_>>(),
-        "files": written,
+        "files": paths_json(written),
     });
     Report::new(text, json)
 }

@@ -8,6 +8,7 @@ mod summary;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use tectum_calibrate::session::list;
 use tectum_calibrate::solve::{self, CalibrateError, Options, Problem};
 use tectum_calibrate::{Board, BoardSize, Calibration, Dictionary, View};
 use tectum_optics::Medium;
@@ -79,6 +80,10 @@ pub struct Args {
     /// Keep the lens on its axis: OCamCalib's own model, without decentring
     #[arg(long)]
     no_decentring: bool,
+    /// With both eyes: distance at which the rig's stitched pictures are to be exact, m (default:
+    /// `inf`, where nearer things are doubled or cut by their parallax)
+    #[arg(long, value_name = "M", requires = "left", value_parser = stitch_distance_m)]
+    stitch_distance: Option<f64>,
     /// What the pictures were taken in
     #[arg(long, value_enum, default_value_t = MediumName::Air)]
     medium: MediumName,
@@ -136,6 +141,13 @@ fn square_mm(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "needed is a length in mm, 0.01 to 10000".into())
 }
 
+fn stitch_distance_m(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok();
+    parsed
+        .filter(|metres: &f64| *metres > 0.0)
+        .ok_or_else(|| "needed is a distance in m above 0, or inf".into())
+}
+
 fn field_deg(text: &str) -> Result<f64, String> {
     let parsed = text.parse().ok();
     parsed
@@ -148,9 +160,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     if let (Some(left), Some(right)) = (&args.left, &args.right) {
         return stereo::run(args, [left, right]);
     }
-    for file in args.outputs() {
-        files::check_writable(file)?;
-    }
+    files::check_outputs(args.outputs(), list(&args.pictures)?)?;
     let shots = shots::take(args, &args.pictures)?;
     let kept = |error| shots.and_kept(error);
     let eye = CalibratedShots::new(args, &shots, &args.options()).map_err(kept)?;

@@ -1,7 +1,7 @@
 //! The files that a calibration leaves.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use image::GrayImage;
@@ -19,40 +19,61 @@ use crate::{files, pictures};
 /// Pictures that show where the image circle ends: more add nothing.
 const RIM_PICTURES: usize = 16;
 
+/// Files that are written as one.
+#[derive(Default)]
+pub struct Group(Vec<(PathBuf, String)>);
+
+impl Group {
+    pub fn add(&mut self, path: &Path, text: String) {
+        self.0.push((path.to_owned(), text));
+    }
+
+    pub fn write(&self) -> anyhow::Result<()> {
+        let group: Vec<(&Path, &[u8])> = self
+            .0
+            .iter()
+            .map(|(path, text)| (&**path, text.as_bytes()))
+            .collect();
+        files::write_group(&group)
+    }
+}
+
 /// Writes all that is asked for.
 pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
     let size_px = frame_size(&eye.calibration)?;
     let used = eye.views().filter(|(.., fit)| fit.rejection.is_none());
     let used = used.map(|(file, sha256, ..)| (file, sha256));
-    let toml = eye_file(args, &eye.calibration, eye.shots, used)?.to_toml()?;
-    files::write(&args.output, toml.as_bytes())?;
+    let mut group = Group::default();
     if let Some(path) = &args.calib_results {
         let CameraModel::Ocam(model) = of_model(args, eye, Model::Ocam)? else {
             bail!("the polynomial is no polynomial: a bug");
         };
-        let text = OcamCalib::from_model(&model, size_px).to_text();
-        files::write(path, text.as_bytes())?;
+        group.add(path, OcamCalib::from_model(&model, size_px)?.to_text());
     }
     if args.opencv.is_some() || args.kalibr.is_some() {
         let model = of_model(args, eye, Model::KannalaBrandt)?;
         if let Some(path) = &args.kalibr {
             let model = model.clone();
-            let text = kalibr::to_text(&[CalibratedCamera { model, size_px }])?;
-            files::write(path, text.as_bytes())?;
+            group.add(
+                path,
+                kalibr::to_text(&[CalibratedCamera { model, size_px }])?,
+            );
         }
         if let (Some(path), CameraModel::KannalaBrandt(model)) = (&args.opencv, model) {
             let calib = FisheyeCalib {
                 model,
                 size_px: Some(size_px),
             };
-            files::write(path, FileStorage::from(&calib).to_text().as_bytes())?;
+            group.add(path, FileStorage::from(&calib).to_text());
         }
     }
     if let Some(path) = &args.report {
         let html = with_report_input(args, eye, usize::MAX, report::html)?;
-        files::write(path, html.as_bytes())?;
+        group.add(path, html);
     }
-    Ok(())
+    let toml = eye_file(args, &eye.calibration, eye.shots, used)?.to_toml()?;
+    group.add(&args.output, toml);
+    group.write()
 }
 
 /// What the report says in words, without the report.

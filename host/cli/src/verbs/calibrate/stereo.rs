@@ -5,23 +5,22 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 use serde_json::json;
-use tectum_calibrate::session::{Pairs, pair_by_name};
+use tectum_calibrate::session::{Pairs, list, pair_by_name};
 use tectum_calibrate::solve::{self, Problem};
 use tectum_calibrate::stereo::{self, StereoCalibration};
 use tectum_calibrate::{Calibration, View};
-use tectum_optics::{CameraModel, Medium};
+use tectum_optics::{CameraModel, RigOfEyeFiles, vector_of_rotation};
 
 use super::shots::{self, Shots};
 use super::{Args, outputs};
 use crate::files;
-use crate::report::Report;
+use crate::report::{Report, paths_json};
 
 /// Calibrates both eyes and their relative pose.
 pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
     let names = ["left", "right"].map(|side| eye_path(&args.output, side));
-    for file in names.iter().chain([&args.output]) {
-        files::check_writable(file)?;
-    }
+    let inputs = list(&folders.map(Path::to_owned))?;
+    files::check_outputs(names.iter().chain([&args.output]), inputs)?;
     let [left, right] = folders.map(|folder| shots::take(args, &[folder.to_owned()]));
     let shots = [left?, right?];
     let kept = |error| shots[0].and_kept(error);
@@ -39,16 +38,13 @@ pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
     let eyes = [left_eye?, right_eye?];
     let both = stereo::calibrate((&left, &eyes[0]), (&right, &eyes[1]));
     let both = both.map_err(|error| kept(error.into()))?;
+    let mut group = outputs::Group::default();
     for (k, model) in [&both.left, &both.right].into_iter().enumerate() {
-        write_eye(
-            args,
-            &shots[k],
-            &eyes[k],
-            (model, &both.parameters[k]),
-            &names[k],
-        )?;
+        let toml = eye_toml(args, &shots[k], &eyes[k], (model, &both.parameters[k]))?;
+        group.add(&names[k], toml);
     }
-    files::write(&args.output, rig(args, &both, &names).as_bytes())?;
+    group.add(&args.output, rig(args, &both, &names)?);
+    group.write()?;
     Ok(report(args, &both, &eyes, (&pairs, &pictures), &names))
 }
 
@@ -83,58 +79,56 @@ fn problems(args: &Args, shots: &[Shots; 2], pairs: &Pairs) -> [Problem; 2] {
     })
 }
 
-fn write_eye(
+fn eye_toml(
     args: &Args,
     shots: &Shots,
     calibration: &Calibration,
     (model, parameters): (&CameraModel, &[tectum_calibrate::Parameter]),
-    path: &Path,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<String> {
     let mut refined = calibration.clone();
     refined.model = model.clone();
     refined.parameters = parameters.to_vec();
     let pictures = shots.views().map(|(file, sha256, _)| (file, sha256));
-    let eye = outputs::eye_file(args, &refined, shots, pictures)?;
-    files::write(path, eye.to_toml()?.as_bytes())
+    Ok(outputs::eye_file(args, &refined, shots, pictures)?.to_toml()?)
 }
 
 /// The rig: body frame by the symmetric mount nearest to the eyes, origin midway between them.
-fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> String {
+fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> anyhow::Result<String> {
     let mount = both.mount();
+    let remarks: String = mount
+        .remarks()
+        .iter()
+        .map(|remark| format!("# Note: {remark}.\n"))
+        .collect();
     let [about_x, about_y, about_z] = degrees(&both.rotation_standard_error_rad);
-    let mut text = format!(
+    let [left, right] = eyes
+        .each_ref()
+        .map(|path| path.file_name().unwrap_or_default().to_string_lossy());
+    let rig = RigOfEyeFiles {
+        name: &args
+            .output
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy(),
+        medium: args.medium.into(),
+        stitch_distance_m: args.stitch_distance.unwrap_or(f64::INFINITY),
+        files: [&left, &right],
+        poses: both.poses(),
+    };
+    Ok(format!(
         "# Made by tectum {} from pictures that both eyes took at once.\n\
          # Mount: psi {:.3}, tau {:.3} degrees, {:.3} degrees off a symmetric mount.\n\
          # Baseline {:.2} mm. Standard errors: rotation about the left camera's x, y, z \
-         {about_x:.4}, {about_y:.4}, {about_z:.4} degrees;\n# the right eye's position {:.3?} mm.\n\
-         name = {:?}\nmedium = \"{}\"\nstitch_distance_m = inf\n",
+         {about_x:.4}, {about_y:.4}, {about_z:.4} degrees;\n# the right eye's position {:.3?} mm.\n{}{}",
         env!("CARGO_PKG_VERSION"),
         mount.psi_rad.to_degrees(),
         mount.tau_rad.to_degrees(),
         mount.rest_rad.to_degrees(),
         both.baseline_mm(),
         <[f64; 3]>::from(both.position_standard_error_mm),
-        args.output
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy(),
-        Medium::from(args.medium),
-    );
-    for remark in mount.remarks() {
-        let _ = writeln!(text, "# Note: {remark}.");
-    }
-    let eyes = ["left", "right"].into_iter().zip(eyes);
-    for ((side, file), pose) in eyes.zip(both.poses()) {
-        let _ = write!(
-            text,
-            "\n[{side}]\nfile = {:?}\n[{side}.pose]\nrotation_vector_rad = {:?}\n\
-             position_mm = {:?}\n",
-            file.file_name().unwrap_or_default().to_string_lossy(),
-            <[f64; 3]>::from(pose.rotation.scaled_axis()),
-            <[f64; 3]>::from(pose.position_m * 1000.0),
-        );
-    }
-    text
+        remarks,
+        rig.to_toml()?
+    ))
 }
 
 fn degrees(rad: &Vector3<f64>) -> [f64; 3] {
@@ -221,7 +215,8 @@ fn report(
         })
     };
     let used_pairs = both.pairs_rms_px.iter().enumerate();
-    let used_pairs = used_pairs.filter_map(|(pair, rms_px)| Some((&pictures[pair], (*rms_px)?)));
+    let used_pairs =
+        used_pairs.filter_map(|(pair, rms_px)| Some((pictures.get(pair)?, (*rms_px)?)));
     let pairs_json: Vec<serde_json::Value> = used_pairs
         .map(|(name, rms_px)| json!({ "pair": name, "rms_px": rms_px }))
         .collect();
@@ -243,7 +238,7 @@ fn report(
         "joint_over_alone": both.rms_px / both.alone_rms_px,
         "pairs": pairs.pairs.len(),
         "pairs_used": used,
-        "unpaired": pairs.alone,
+        "unpaired": paths_json(&pairs.alone),
         "rms_px": both.rms_px,
         "psi_deg": mount.psi_rad.to_degrees(),
         "tau_deg": mount.tau_rad.to_degrees(),
@@ -252,13 +247,13 @@ fn report(
         "swapped": mount.is_swapped,
         "warnings": remarks,
         "baseline_mm": both.baseline_mm(),
-        "rotation_vector_rad": <[f64; 3]>::from(both.rotation.scaled_axis()),
+        "rotation_vector_rad": <[f64; 3]>::from(vector_of_rotation(&both.rotation)),
         "rotation_standard_error_deg": error_deg,
         "position_mm": <[f64; 3]>::from(both.position_mm),
         "position_standard_error_mm": <[f64; 3]>::from(both.position_standard_error_mm),
         "left": eye(&eyes[0]),
         "right": eye(&eyes[1]),
-        "files": [&args.output, &names[0], &names[1]],
+        "files": paths_json([&args.output, &names[0], &names[1]]),
     });
     Report::new(text, json)
 }

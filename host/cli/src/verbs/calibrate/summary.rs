@@ -8,7 +8,7 @@ use tectum_calibrate::report::verdict::Verdict;
 
 use super::{Args, CalibratedShots, outputs};
 use crate::detecting;
-use crate::report::Report;
+use crate::report::{Report, path_json, paths_json};
 
 /// Best models shown to a person, with the one chosen; a script gets all.
 const MAX_MODELS: usize = 4;
@@ -173,7 +173,7 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
             });
             let dropped: Vec<Value> = dropped.collect();
             json!({
-                "file": file,
+                "file": path_json(file),
                 "sha256": sha256,
                 "corners": view.corners.len(),
                 "corners_used": fit.corners.iter().filter(|corner| corner.used).count(),
@@ -187,7 +187,7 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         .views()
         .filter_map(|(file, _, _, fit)| {
             let reason = fit.rejection.as_ref()?.to_string();
-            Some(json!({ "file": file, "reason": reason }))
+            Some(json!({ "file": path_json(file), "reason": reason }))
         })
         .collect();
     let parameters: Vec<Value> = calibration
@@ -234,6 +234,6 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         "session": shots.folder,
         "verdict": verdict.sentence,
         "advice": verdict.advice,
-        "files": args.outputs().collect::<Vec<_>>(),
+        "files": paths_json(args.outputs()),
     })
 }

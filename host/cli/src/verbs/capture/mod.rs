@@ -15,7 +15,7 @@ use crate::report::{Report, Usage};
 /// Both cameras to a calibration session, to stills or to a video
 #[derive(clap::Args)]
 #[command(after_help = "EXAMPLES:\n  \
-    tectum capture --list                                  cameras, their stable names and formats\n  \
+    tectum capture --list                                  cameras, their stable names, formats and rates\n  \
     tectum capture calib --left A --right B --board 9x6 --view\n  \
     tectum capture dive1 --left A --right B --record y4m --seconds 60\n  \
     tectum capture shots --left A --right B --stills --frames 10\n  \
@@ -90,6 +90,8 @@ fn list() -> anyhow::Result<Report> {
 
 #[cfg(feature = "v4l2")]
 fn list() -> anyhow::Result<Report> {
+    use crate::report::{path_json, paths_json};
+
     let cameras = tectum_capture::device::list();
     let mut text = String::new();
     for camera in &cameras {
@@ -98,16 +100,20 @@ fn list() -> anyhow::Result<Report> {
             text += &format!("  {}\n", name.display());
         }
         text += &camera.offered;
+        if let Some(why) = &camera.unusable {
+            text += &format!("  cannot be used: {why}\n");
+        }
     }
     if cameras.is_empty() {
-        text += "no cameras that can be opened";
+        text += "no video devices";
     }
     let json: Vec<_> = cameras
         .iter()
         .map(|camera| {
             serde_json::json!({
-                "node": camera.node, "product": camera.product,
-                "stable_names": camera.stable_names, "offered": camera.offered,
+                "node": path_json(&camera.node), "product": camera.product,
+                "stable_names": paths_json(&camera.stable_names), "offered": camera.offered,
+                "unusable": camera.unusable,
             })
         })
         .collect();

@@ -3,37 +3,58 @@
 use std::path::Path;
 use std::time::Instant;
 
-use serde_json::json;
-use tectum_capture::{Recorder, VideoKind};
+use anyhow::{Context, bail};
+use serde_json::Value;
+use tectum_capture::{Operator, Recorder, VideoKind, describe_recording};
 
 use super::Args;
 use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
-use crate::report::Report;
+use crate::files;
+use crate::report::{Report, path_json};
 
 /// Records `left` and `right` in `folder`, in pairs: frame n of both were taken together.
 pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyhow::Result<Report> {
     let rate = feed.rate();
+    let about = folder.join("recording.json");
+    if about.exists() {
+        bail!(
+            "{}: exists already and is not overwritten: record to another folder",
+            about.display()
+        );
+    }
     let create = |(eye, name): (bool, &str)| {
         let path = folder.join(format!("{name}.{}", kind.ending()));
         eye.then(|| Recorder::create(&path, kind, rate)).transpose()
     };
     let [left, right] = feed.eyes().map(|eye| eye.is_some());
     let mut recorders = [create((left, "left"))?, create((right, "right"))?];
+    let description = format!("{:#}\n", describe(feed, rate));
     let stop = stop_on_interrupt(&args.limits)?;
     let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None));
-    let mut watch = Watch::new(feed, preview.transpose()?);
-    feed.for_each(&stop, |shot, statistics| {
+    let preview = view.map(|address| showing::serve(address, feed, None, true));
+    let operator = Operator::new(folder, feed.rate(), true);
+    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
+    let done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         for (recorder, frame) in recorders.iter_mut().zip(shot) {
             if let (Some(recorder), Some(frame)) = (recorder, frame) {
                 recorder.write(frame)?;
             }
         }
-        watch.shot(shot, None, begun, statistics, None);
+        if watch.shots() == 0 {
+            files::write(&about, description.as_bytes())?;
+        }
+        watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
-    })?;
+    });
+    // What has been recorded is whole, whatever ended it.
+    for recorder in recorders.iter_mut().flatten() {
+        recorder.finish()?;
+    }
+    done.with_context(|| format!("after {} frames", watch.shots()))?;
+    watch.end(feed)?;
     let mut json = watch.json();
+    json["description"] = path_json(&about);
     let mut text = String::new();
     for (recorder, name) in recorders.iter().zip(["left", "right"]) {
         if let Some(recorder) = recorder {
@@ -43,8 +64,21 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
                 recorder.frames(),
                 recorder.bytes() as f64 / 1e6
             );
-            json["videos"][name] = json!(recorder.path());
+            json["videos"][name] = path_json(recorder.path());
         }
     }
     Ok(Report::new(text + &watch.text(), json))
+}
+
+fn describe(feed: &Feed, rate: [u32; 2]) -> Value {
+    let [left, right] = feed.eyes();
+    let [of_left, of_right] = feed.facts();
+    let format = feed.format();
+    describe_recording(
+        rate,
+        [
+            left.as_ref().map(|(name, _)| (&**name, format, of_left)),
+            right.as_ref().map(|(name, _)| (&**name, format, of_right)),
+        ],
+    )
 }

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use image::{DynamicImage, GrayImage};
-use serde_json::json;
+use serde_json::{Value, json};
 use tectum_calibrate::BoardSize;
 use tectum_calibrate::detect::chessboard;
 use tectum_calibrate::session::list;
-use tectum_capture::{Coverage, Frame, Session, Verdict, to_rgb8};
+use tectum_capture::{Advice, Coverage, Frame, Guidance, Session, Verdict, to_rgb8};
 
 use super::Args;
 use super::stills::{next_number, save};
@@ -34,13 +34,22 @@ pub fn run(
     let earlier = resume(&mut session, folder, board)?;
     let stop = stop_on_interrupt(&args.limits)?;
     let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None));
-    let mut watch = Watch::new(feed, preview.transpose()?);
+    let preview = view.map(|address| showing::serve(address, feed, None, true));
+    let operator = showing::operator(folder, feed);
+    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
+    let mut guidance = Guidance::default();
+    let feed_size_px = feed.format().size_px;
     let mut number = next_number(folder);
     let mut kept = [0_u32; 2];
     feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
-        let corners = shot.map(|frame| frame.and_then(|frame| corners(&frame, board)));
+        let grey = shot.map(|frame| frame.and_then(|frame| grey(&frame)));
+        let corners = (grey.each_ref()).map(|grey| grey.as_ref().and_then(|g| detect(g, board)));
+        for (eye, grey) in grey.iter().enumerate() {
+            if let Some(grey) = grey {
+                guidance.see(eye, feed_size_px, grey);
+            }
+        }
         let verdict = session.consider(corners.each_ref().map(|c| c.as_deref()));
         if let Verdict::Keep(eyes) = verdict {
             for (i, eye) in ["left", "right"].into_iter().enumerate() {
@@ -51,20 +60,18 @@ pub fn run(
             }
             number += 1;
         }
-        watch.say(format!(
-            "{}; kept left {} right {}",
-            match verdict {
-                Verdict::Keep(_) => "kept",
-                Verdict::Moving => "hold the board still",
-                Verdict::Known => "move the board where it has not been",
-                Verdict::NoBoard => "no board in sight",
-            },
+        let advice = guidance.advise(&session, verdict);
+        let counts = format!(
+            "kept left {} right {}",
             earlier[0] + kept[0],
             earlier[1] + kept[1]
-        ));
-        watch.shot(shot, None, begun, statistics, Some(&session));
+        );
+        watch.say(format!("{} {counts}", advice.instruction));
+        watch.set_session(page(&session, &advice, &corners, &counts));
+        watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
+    watch.end(feed)?;
     let share = session
         .coverage()
         .each_ref()
@@ -88,10 +95,24 @@ pub fn run(
     Ok(Report::new(text, json))
 }
 
-fn corners(frame: &Frame<'_>, board: BoardSize) -> Option<Corners> {
+/// What the page draws over both eyes.
+fn page(session: &Session, advice: &Advice, corners: &[Option<Corners>; 2], kept: &str) -> Value {
+    let eye = |i: usize| {
+        json!({
+            "covered": session.coverage()[i].cells(), "wanted": advice.wanted[i],
+            "corners": corners[i],
+        })
+    };
+    json!({
+        "side": Coverage::side(), "instruction": advice.instruction, "kept": kept,
+        "left": eye(0), "right": eye(1),
+    })
+}
+
+fn grey(frame: &Frame<'_>) -> Option<GrayImage> {
     let [width, height] = frame.format.size_px.map(u32::from);
     let rgb = pictures::rgb(width, height, to_rgb8(frame).ok()?).ok()?;
-    detect(&DynamicImage::from(rgb).into_luma8(), board)
+    Some(DynamicImage::from(rgb).into_luma8())
 }
 
 fn detect(picture: &GrayImage, board: BoardSize) -> Option<Corners> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use tectum_capture::{Frame, LEAST_FREE_BYTES, check_free, to_rgb8};
+use tectum_capture::{Frame, MIN_FREE_BYTES, Operator, check_free, to_rgb8};
 
 use super::Args;
 use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
@@ -14,8 +14,9 @@ use crate::report::Report;
 pub fn run(args: &Args, feed: &mut Feed, folder: &Path) -> anyhow::Result<Report> {
     let stop = stop_on_interrupt(&args.limits)?;
     let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None));
-    let mut watch = Watch::new(feed, preview.transpose()?);
+    let preview = view.map(|address| showing::serve(address, feed, None, true));
+    let operator = Operator::new(folder, feed.rate(), true);
+    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
     let mut number = next_number(folder);
     feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
@@ -25,9 +26,10 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path) -> anyhow::Result<Report
             }
         }
         number += 1;
-        watch.shot(shot, None, begun, statistics, None);
+        watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
+    watch.end(feed)?;
     let text = format!("{}\n{}", folder.display(), watch.text());
     Ok(Report::new(text, watch.json()))
 }
@@ -45,7 +47,7 @@ pub fn next_number(folder: &Path) -> u32 {
 
 /// Writes a frame as PNG.
 pub fn save(frame: &Frame<'_>, path: &Path) -> anyhow::Result<()> {
-    check_free(path, LEAST_FREE_BYTES)?;
+    check_free(path, MIN_FREE_BYTES)?;
     let Ok(rgb) = to_rgb8(frame) else {
         // The next shot has the next number; this one lacks an eye and is no pair.
         return Ok(());

@@ -9,23 +9,29 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use image::RgbImage;
-use tectum_bake::{BakeOptions, Baked, Format, Pass, Scales, Verification, bake, stitch, verify};
+use tectum_bake::{
+    BakeOptions, Baked, Format, Pass, Scales, Verification, bake, fitted_range, stitch, verify,
+};
 use tectum_core::{Sampler, Tables};
 use tectum_optics::{OutputMap, Projection, Rig};
 use tectum_scene::{Rendered, Scene};
 
-use self::summary::{Angles, Large, Summary};
+use self::summary::{Angles, InWater, Large, Summary};
 use crate::args::Size;
 use crate::frames::Frames;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::{files, pictures, pool};
 
-/// The paper's fish with eyes of 480x480 px.
+/// The paper's fish with ideal lenses, which see 210 degrees as in air; eyes of 480x480 px.
 const RIG: &str = include_str!("../../../../../tables/rigs/paper-fish.toml");
 /// The same with eyes of 960x960 px, for the larger picture.
 const LARGE_RIG: &str = include_str!("../../../../../tables/rigs/paper-fish-960.toml");
 const LARGE_PX: [u16; 2] = [1280, 640];
+/// The paper's fish as it really sees in water: the same lenses, bare.
+const IN_WATER_RIG: &str = include_str!("../../../../../tables/rigs/paper-fish-in-water.toml");
+/// Share of its picture that may show neither eye.
+const IN_WATER_MAX_VOID: f64 = 0.05;
 /// Width of the transition between the eyes, degrees.
 const FEATHER_DEG: f64 = 4.0;
 
@@ -61,7 +67,8 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         Some(path) => (Rig::load(path)?, String::from_utf8(files::read(path)?)?),
     };
     let with_large = !args.fast && args.rig.is_none();
-    let progress = Progress::new(if with_large { 5 } else { 4 });
+    let with_in_water = args.rig.is_none();
+    let progress = Progress::new(4 + u64::from(with_large) + u64::from(with_in_water));
     let mut folder = Folder::new(&args.output);
 
     progress.step("rendering both eyes");
@@ -101,6 +108,13 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         None
     };
 
+    let in_water = if with_in_water {
+        progress.step("the fish as it sees in water");
+        Some(in_water(&scene, args, &mut folder)?)
+    } else {
+        None
+    };
+
     progress.step("writing");
     for last in ["summary.json", "summary.txt", "index.html"] {
         folder.files.push(last.into());
@@ -117,6 +131,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         field_of_view,
         angles,
         large,
+        in_water,
         files: folder.files.clone(),
     };
     let mut json = serde_json::to_value(&summary)?;
@@ -134,7 +149,11 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let seconds = start.elapsed().as_secs_f64();
     json["seconds"] = seconds.into();
     let mismatches = summary.verification.mismatches
-        + summary.large.as_ref().map_or(0, |large| large.mismatches);
+        + summary.large.as_ref().map_or(0, |large| large.mismatches)
+        + summary
+            .in_water
+            .as_ref()
+            .map_or(0, |water| water.mismatches);
     Ok(Report {
         text: format!(
             "{text}\nDone in {seconds:.1} s: open {}",
@@ -143,7 +162,6 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         json,
         failure: (mismatches > 0)
             .then(|| format!("{mismatches} bytes differ from the reference: a bug, please report")),
-        beside_output: false,
     })
 }
 
@@ -184,6 +202,38 @@ fn large(scene: &Scene, folder: &mut Folder<'_>) -> anyhow::Result<Large> {
     folder.save("stitched-1280-scales.png", &with_scales)?;
     Ok(Large {
         output_px: LARGE_PX,
+        table: job.baked.report,
+        mismatches: job.verification.mismatches,
+    })
+}
+
+/// The fish as it sees in water: the part of the inclined view that its eyes see.
+fn in_water(scene: &Scene, args: &Args, folder: &mut Folder<'_>) -> anyhow::Result<InWater> {
+    let rig = Rig::from_toml(IN_WATER_RIG, "the demo's rig in water")?;
+    let samples_per_side = if args.fast { 1 } else { 2 };
+    let eyes = pool::both_eyes(scene, &rig, Default::default(), 0, samples_per_side)?;
+    let projection = rig.design_projection()?;
+    let range = fitted_range(&rig, &projection, IN_WATER_MAX_VOID)?;
+    let map = projection.output_map_of_range(args.size.0, &range)?;
+    let job = Job::new(&rig, &map, &pool::frames(&eyes), args.max_error)?;
+    let sphere = Projection::Equirect.output_map(args.size.0)?;
+    let field = coverage::field_of_view(&rig, &sphere, &coverage::areas(&rig, &sphere));
+    folder.write("rig-in-water.toml", IN_WATER_RIG.as_bytes())?;
+    folder.write("table-in-water.tct", &job.baked.bytes)?;
+    folder.save("stitched-in-water.png", &job.stitched)?;
+    folder.save(
+        "stitched-in-water-scales.png",
+        &with_scales(&job.stitched, &map)?,
+    )?;
+    let pixels = job.baked.report.pixels;
+    let all = pixels.void + pixels.left + pixels.right + pixels.blend;
+    Ok(InWater {
+        rig: rig.name,
+        output_px: args.size.0,
+        yaw_deg: range.yaw_rad.map(f64::to_degrees),
+        pitch_deg: range.pitch_rad.map(f64::to_degrees),
+        void_share: pixels.void as f64 / all as f64,
+        field_of_view: field,
         table: job.baked.report,
         mismatches: job.verification.mismatches,
     })

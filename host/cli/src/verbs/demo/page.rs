@@ -33,20 +33,35 @@ pub fn html(summary: &Summary, hero: &str) -> String {
         .filter(|(file, _)| summary.files.iter().any(|written| written == file))
         .map(|(file, caption)| figure(file, caption))
         .collect();
+    let in_water = summary.in_water.as_ref().map_or_else(String::new, |water| {
+        figure(
+            "stitched-in-water-scales.png",
+            &format!(
+                "Really in water: rig {}, the same lenses bare, 155.8 degrees each; inclined view, the \
+                 part that the eyes see",
+                escape(&water.rig)
+            ),
+        )
+    });
+    let lenses = if summary.in_water.is_some() {
+        "; ideal lenses, 210 degrees even in water"
+    } else {
+        ""
+    };
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width\"><title>Tectum: {rig}</title>\
          <style>{STYLE}</style></head>\n<body>\n<h1>Tectum</h1>\n\
          <p>Two fisheye eyes of rig <b>{rig}</b> in a simulated pool, stitched into one \
          {width}x{height} picture with a table of {bytes} bytes.</p>\n{hero}\
-         <div class=\"two\">\n{eyes}</div>\n{scales}{coverage}\
+         {in_water}<div class=\"two\">\n{eyes}</div>\n{scales}{coverage}\
          <h2>Figures</h2>\n<table>\n{rows}</table>\n<p>{note}</p>\n<p>{files}</p>\n\
          </body>\n</html>\n",
         rig = escape(&summary.rig),
         bytes = summary.table.bytes.total,
         hero = figure(
             hero,
-            "Both eyes, stitched; yaw from 180 (left) to -180 degrees, up on top"
+            &format!("Both eyes, stitched; yaw from 180 (left) to -180 degrees, up on top{lenses}")
         ),
         scales = figure(
             "stitched-scales.png",

@@ -27,6 +27,9 @@ pub struct Summary {
     /// The larger picture, if it was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub large: Option<Large>,
+    /// The fish as it sees in water, if the rig is the one inside.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub in_water: Option<InWater>,
     /// Files written beside this one.
     pub files: Vec<String>,
 }
@@ -45,6 +48,27 @@ pub struct Angles {
 pub struct Large {
     /// Width and height, px.
     pub output_px: [u16; 2],
+    /// Its table's cost sheet.
+    pub table: CostSheet,
+    /// Bytes of it that differ from the reference.
+    pub mismatches: usize,
+}
+
+/// The fish as it really sees in water, on the part of the inclined view that its eyes see.
+#[derive(Debug, Serialize)]
+pub struct InWater {
+    /// Name of the rig.
+    pub rig: String,
+    /// Width and height, px.
+    pub output_px: [u16; 2],
+    /// Yaw of the right and the left border about the plane of both axes, degrees.
+    pub yaw_deg: [f64; 2],
+    /// Pitch of the upper and the lower border about that plane, degrees.
+    pub pitch_deg: [f64; 2],
+    /// Share of its pixels that show neither eye, 0 to 1.
+    pub void_share: f64,
+    /// What its eyes see.
+    pub field_of_view: FieldOfView,
     /// Its table's cost sheet.
     pub table: CostSheet,
     /// Bytes of it that differ from the reference.
@@ -115,6 +139,25 @@ impl Summary {
             );
             rows.push(("large picture", text));
         }
+        if let Some(water) = &self.in_water {
+            let [width, height] = water.output_px;
+            let text = format!(
+                "{width}x{height} px, yaw {:.0} to {:.0}, pitch {:.0} to {:.0} deg about the plane of \
+                 the axes, {:.1} % void; table {} bytes, {}, mismatches {}",
+                water.yaw_deg[1],
+                water.yaw_deg[0],
+                water.pitch_deg[0],
+                water.pitch_deg[1],
+                100.0 * water.void_share,
+                water.table.bytes.total,
+                max_rms(&water.table.coordinate_error_px, "px"),
+                water.mismatches
+            );
+            rows.push(("really in water", text));
+            let field = &water.field_of_view;
+            rows.push(("  sphere", shares(&field.sphere, 100.0, "%")));
+            rows.push(("  horizon", shares(&field.horizontal_deg, 1.0, "deg")));
+        }
         rows
     }
 
@@ -124,8 +167,14 @@ impl Summary {
             Some(m) => format!("{m} m"),
             None => "infinity".into(),
         };
+        let lenses = if self.in_water.is_some() {
+            "The fish has ideal lenses here, which see 210 degrees even in water; \"really in water\" is \
+             the same fish with these lenses bare, where 155.8 degrees are left. "
+        } else {
+            ""
+        };
         format!(
-            "Angles: looked-up direction against the truth of the simulated pool. The stitched \
+            "{lenses}Angles: looked-up direction against the truth of the simulated pool. The stitched \
              picture is exact at {distance} from the body; what lies nearer or farther is off by \
              parallax, which is in the second figure."
         )

@@ -62,15 +62,9 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         args.output.as_ref().map(|dir| dir.join("corners.csv")),
     ];
     let csv: Vec<PathBuf> = csv.into_iter().flatten().collect();
-    for file in csv.iter().chain(
-        args.output
-            .iter()
-            .map(|dir| dir.join("corners.json"))
-            .collect::<Vec<_>>()
-            .iter(),
-    ) {
-        files::check_writable(file)?;
-    }
+    let corners = args.output.as_ref().map(|dir| dir.join("corners.json"));
+    let drawn = drawings.iter().flatten();
+    files::check_outputs(csv.iter().chain(&corners).chain(drawn), &paths)?;
     let kept = args.output.as_ref().map(|folder| folder.join("session"));
     let detections = detecting::run(&paths, &targets, args.session.clone().or(kept))?;
     let readable = detecting::readable(&detections);

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use tectum_calibrate::session::Detections;
 
 use crate::detecting::readable;
+use crate::report::path_json;
 
 /// One entry a picture that could be read.
 pub fn pictures(detections: &Detections) -> Vec<Value> {
@@ -22,7 +23,7 @@ pub fn pictures(detections: &Detections) -> Vec<Value> {
             .map(|marker| json!({ "id": marker.id, "corners": marker.corners_px }))
             .collect();
         json!({
-            "file": detections.pictures[index].file,
+            "file": path_json(&detections.pictures[index].file),
             "sha256": detected.sha256,
             "size_px": detected.size_px,
             "corners": corners,

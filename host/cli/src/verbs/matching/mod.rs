@@ -18,7 +18,7 @@ use tectum_stitch::registration::Tie;
 
 use crate::boards::{self, TargetArgs};
 use crate::progress::Progress;
-use crate::report::{Report, Usage};
+use crate::report::{Report, Usage, path_json};
 use crate::{files, pictures};
 use row::Row;
 
@@ -81,7 +81,8 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     }
     if let Some(output) = &args.output {
         pictures::format_of(output)?;
-        files::check_writable(output)?;
+        let inputs = args.left.iter().chain(&args.right).cloned();
+        files::check_outputs([output], inputs.chain(files::rig_inputs(&args.rig)))?;
     }
     let detectors = detectors(args)?;
     let rig = Rig::load(&args.rig)?;
@@ -100,7 +101,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         "pairs": shots.len(),
         "rows": rows.iter().map(table::json).collect::<Vec<_>>(),
         "refused": refused,
-        "picture": args.output,
+        "picture": args.output.as_ref().map(path_json),
     });
     let mut text = table::text(&rows);
     for line in &refused {

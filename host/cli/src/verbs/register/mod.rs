@@ -45,7 +45,8 @@ const LOOKED_AT: usize = 12;
     other along it where that makes it better and the table's mesh carries it. `tectum bake` puts all\n\
     of it into the table. Boards decide how the eyes are turned; the scene to swim in decides seam and\n\
     colours: give pictures of it with --scene-left and --scene-right.\n\n\
-    Beside OUT.toml are written OUT-seam.png, OUT-tone.png and OUT-warp.png, which it names.")]
+    Beside OUT.toml are written pictures that it names: OUT-seam-HASH.png, OUT-tone-HASH.png and\n\
+    OUT-warp-HASH.png. All are written before OUT.toml, which is replaced last.")]
 pub struct Args {
     /// Rig file to begin with
     rig: PathBuf,
@@ -133,10 +134,14 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     rig.stitching = None;
     let plain = rig.clone();
     let outputs = outputs::Outputs::new(args);
-    for file in outputs.all() {
-        files::check_writable(file)?;
-    }
     let paired = args.pairs.paired()?;
+    let pictures = paired.files.iter().flatten();
+    let pictures = pictures.chain(&args.scene_left).chain(&args.scene_right);
+    let pictures = pictures.cloned();
+    files::check_outputs(
+        outputs.named(),
+        pictures.chain(files::rig_inputs(&args.rig)),
+    )?;
     let progress = Progress::new(5);
     progress.step("matching");
     let (ties, registration) = if args.keep_poses {
@@ -193,7 +198,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     };
     if let Some(path) = outputs.report() {
         files::write(path, page::html(&done).as_bytes())?;
-        written.push(path);
+        written.push(path.to_owned());
     }
     Ok(summary::report(&done, &paired.alone, &written))
 }

@@ -24,14 +24,14 @@ impl Outputs {
         }
     }
 
-    /// Every file that may be written.
-    pub fn all(&self) -> impl Iterator<Item = &PathBuf> {
-        self.files.all().chain(&self.report)
+    /// The files whose names were given.
+    pub fn named(&self) -> impl Iterator<Item = &Path> {
+        std::iter::once(self.files.rig()).chain(self.report.as_deref())
     }
 
     /// Writes the pictures, then the rig that names them; the rig as it is read back, and the files
     /// that it consists of.
-    pub fn write_rig(&self, rig: &Rig, found: &Appearance) -> anyhow::Result<(Rig, Vec<&Path>)> {
+    pub fn write_rig(&self, rig: &Rig, found: &Appearance) -> anyhow::Result<(Rig, Vec<PathBuf>)> {
         let seam = found.seam.as_ref();
         let parts = Parts {
             seam_png: seam.map(|s| s.shares.to_png(self.seam_px)).transpose()?,
@@ -39,8 +39,7 @@ impl Outputs {
             warp: found.warp.as_ref(),
         };
         let from = "pictures that both eyes took at once";
-        let rig = self.files.write(rig, &parts, from)?;
-        Ok((rig, self.files.written(&parts)))
+        self.files.write(rig, &parts, from)
     }
 
     /// The page, if there is one.

@@ -1,7 +1,7 @@
 //! What registration says, to a person and to a script.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -10,10 +10,10 @@ use tectum_stitch::seam::{RangeLoss, range_losses};
 
 use super::ties::Ties;
 use super::{Done, agreeing};
-use crate::report::Report;
+use crate::report::{Report, paths_json};
 
 /// The verb's report.
-pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
+pub fn report(done: &Done, alone: &[PathBuf], written: &[PathBuf]) -> Report {
     let mut text = format!(
         "{}: {} pairs of pictures\n\n",
         done.args.output.display(),
@@ -49,7 +49,7 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
     let _ = writeln!(text, "wrote      {}", names.join(", "));
     let json = json!({
         "pairs": done.files.len(),
-        "unpaired": alone,
+        "unpaired": paths_json(alone),
         "matcher": done.ties.map(|ties| ties.matcher),
         "matches": done.ties.map(Ties::matches),
         "refused": done.ties.map(|ties| ties.refused()),
@@ -73,7 +73,7 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[&Path]) -> Report {
             "bend_deg": done.cost.bend_deg,
         },
         "warnings": done.appearance.warnings,
-        "files": written,
+        "files": paths_json(written),
     });
     Report::new(text, json)
 }

@@ -13,7 +13,7 @@ use tectum_optics::convention::yaw_pitch;
 use tectum_scene::{RenderOptions, Rendered, Scene, Seen, Truth, Wall, camera, render};
 
 use crate::progress::Progress;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 use crate::{files, pictures, pool};
 
 /// The simulated pool as the eyes of a rig see it
@@ -22,10 +22,11 @@ use crate::{files, pictures, pool};
     tectum simulate rig.toml -o pool\n  \
     tectum simulate rig.toml -o pool --seed 7 --samples 4 --truth\n  \
     tectum simulate rig.toml -o dive --attitude 0,40,0 --position 0,0,0.4\n  \
-    tectum simulate rig.toml -o tank --scene tank.toml\n  \
+    tectum simulate rig.toml -o tank --scene my-tank.toml\n  \
     tectum simulate rig.toml -o dive --motion dive --seconds 4\n\n\
     The body is in the middle of a 12 x 8 x 2.4 m pool, its frame is the pool's, unless --position\n\
-    and --attitude say otherwise, or --scene describes another pool (`docs/scene.md`).\n\
+    and --attitude say otherwise, or --scene describes another pool: a\n\
+    changed copy of the scene.toml that every run writes.\n\
     Writes left.png and right.png. With --truth also equirect.png (1024x512, what a perfect eye at\n\
     the body's origin sees) and for each eye 16-bit PNGs, one value a pixel, seen from that eye:\n  \
     left-yaw.png    32768 + yaw * 65536 / 360 degrees, body frame, positive to the left; 0 outside\n  \
@@ -86,6 +87,9 @@ enum MotionName {
 /// Simulates.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let rig = Rig::load(&args.rig)?;
+    let written = ["scene.toml", "left.png", "right.png"].map(|name| args.output.join(name));
+    let inputs = files::rig_inputs(&args.rig);
+    files::check_outputs(&written, inputs.iter().chain(&args.scene))?;
     let description = match &args.scene {
         Some(path) => pool::load(path)?,
         None => pool::furnished(&rig),
@@ -123,7 +127,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let text = format!("{}: {}", args.output.display(), written.join(", "));
     Ok(Report::new(
         text,
-        json!({ "folder": args.output, "files": written }),
+        json!({ "folder": path_json(&args.output), "files": written }),
     ))
 }
 

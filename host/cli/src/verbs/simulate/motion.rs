@@ -10,7 +10,7 @@ use tectum_scene::{Motion, Scene};
 use super::{Args, MotionName};
 use crate::cameras::Attitude;
 use crate::progress::Progress;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 use crate::{files, pool};
 
 /// Renders both eyes frame by frame.
@@ -62,6 +62,9 @@ pub fn run(args: &Args, name: MotionName, rig: &Rig, scene: &Scene) -> anyhow::R
             })?;
         }
     }
+    for (_, _, recorder) in &mut videos {
+        recorder.finish()?;
+    }
     let attitude = args.output.join("attitude.csv");
     files::write(&attitude, &attitudes.into_inner()?)?;
     let mut written = vec!["scene.toml".to_owned(), "attitude.csv".to_owned()];
@@ -75,6 +78,6 @@ pub fn run(args: &Args, name: MotionName, rig: &Rig, scene: &Scene) -> anyhow::R
             args.output.display(),
             written.join(", ")
         ),
-        json!({ "folder": args.output, "frames": frames, "files": written }),
+        json!({ "folder": path_json(&args.output), "frames": frames, "files": written }),
     ))
 }

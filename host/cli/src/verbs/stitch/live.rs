@@ -9,7 +9,7 @@ use tectum_capture::{Recorder, VideoKind};
 use super::Args;
 use crate::cameras::{LiveScales, open, streaming};
 use crate::files;
-use crate::report::{Report, Usage};
+use crate::report::{Report, Usage, stdout_is_output};
 
 /// Stitches a stream.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
@@ -20,6 +20,9 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let tables = streaming::keep(files::read(&args.table)?, &args.table)?;
     let size_px = streaming::source_size_px(tables)?;
     let to_stdout = args.output == Path::new("-");
+    if to_stdout {
+        stdout_is_output();
+    }
     let kind = match VideoKind::of(&args.output) {
         Some(kind) => kind,
         None if to_stdout => VideoKind::Y4m,
@@ -47,7 +50,5 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     };
     let sampler = args.sampler.into();
     let stage = (&args.limits, &args.view);
-    let mut report = streaming::run(&mut feed, tables, sampler, Some(recorder), scales, stage)?;
-    report.beside_output = to_stdout;
-    Ok(report)
+    streaming::run(&mut feed, tables, sampler, Some(recorder), scales, stage)
 }

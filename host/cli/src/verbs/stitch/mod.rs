@@ -17,7 +17,7 @@ use tectum_stitch::registration::planar::{self, PlanarOptions};
 
 use crate::cameras::{CameraOptions, Limits, LiveScales, ViewArgs};
 use crate::frames::Frames;
-use crate::report::{Report, Usage};
+use crate::report::{Report, Usage, path_json};
 use crate::{files, paired, pictures};
 
 /// Pictures of both eyes to one, as the fish does it
@@ -28,7 +28,7 @@ use crate::{files, paired, pictures};
     tectum stitch fish.tct --left l.png --right r.png -o out.png --format yuyv --json\n  \
     tectum stitch rig.toml --paper --left l.png --right r.png -o planar.png\n  \
     tectum stitch fish.tct --live --left /dev/video0 --right /dev/video2 -o out.y4m --view\n  \
-    tectum stitch fish.tct --live --left l.y4m --right r.y4m -o - | ffmpeg -i - out.mp4\n\n\
+    tectum stitch fish.tct --live --left l.y4m --right r.y4m -o - | ffmpeg -i - -pix_fmt yuv420p out.mp4\n\n\
     `seconds` in the JSON is the core's time, without files and conversions.")]
 pub struct Args {
     /// Table; with --paper a rig file
@@ -116,6 +116,9 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         return Err(Usage("options of cameras go with --live".into()).into());
     }
     pictures::format_of(&args.output)?;
+    let given = [&args.left, &args.right, &args.picture];
+    let inputs = given.into_iter().flatten().cloned();
+    files::check_outputs([&args.output], inputs.chain(files::rig_inputs(&args.table)))?;
     if args.paper {
         return planar(args);
     }
@@ -148,7 +151,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
 
     let [width, height] = [tables.output_width_px(), tables.output_height_px()].map(u32::from);
     if let Some(step_deg) = args.scales {
-        LiveScales::of_body(&tables, step_deg)?.draw(0, format, &mut stitched)?;
+        LiveScales::of_body(&tables, step_deg)?.draw((0, true), format, &mut stitched)?;
     }
     let picture = if format == Format::Gray8 {
         let gray = GrayImage::from_raw(width, height, stitched);
@@ -163,7 +166,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             args.output.display(),
             seconds * 1e3
         ),
-        json!({ "picture": args.output, "width": width, "height": height, "seconds": seconds }),
+        json!({ "picture": path_json(&args.output), "width": width, "height": height, "seconds": seconds }),
     ))
 }
 
@@ -193,7 +196,7 @@ fn planar(args: &Args) -> anyhow::Result<Report> {
             found.rms_px
         ),
         json!({
-            "picture": args.output, "width": width, "height": height, "seconds": seconds,
+            "picture": path_json(&args.output), "width": width, "height": height, "seconds": seconds,
             "overlap_held": share, "rms_px": found.rms_px,
             "h": found.h, "h1": found.h1, "h2": found.h2,
         }),

@@ -108,7 +108,7 @@ fn models_come_back_from_their_files() {
     let calib = calib();
     let reach = calib.farthest_corner_px();
     let model = calib.to_model(reach).unwrap();
-    let written = OcamCalib::from_model(&model, calib.size_px);
+    let written = OcamCalib::from_model(&model, calib.size_px).unwrap();
     let read = OcamCalib::parse(&written.to_text()).unwrap();
     assert_eq!(read, written);
     assert_eq!(read.to_model(reach).unwrap(), model);
@@ -120,7 +120,7 @@ fn fitted_inverse_polynomials_stay_within_a_hundredth_of_a_pixel() {
     // 640 px are 115 degrees off the axis here: what a 220 degree lens needs, and more.
     let calib = calib();
     let model = calib.to_model(640.0).unwrap();
-    let written = OcamCalib::from_model(&model, calib.size_px);
+    let written = OcamCalib::from_model(&model, calib.size_px).unwrap();
     let mut worst = 0.0f64;
     for i in 0..6399 {
         let rho = f64::from(i) * 0.1;
@@ -163,7 +163,7 @@ fn bad_files_are_refused_with_the_place() {
         "3 601.3",
         "4000000000 601.3",
         "line 7, number of coefficients of the inverse polynomial: \"4000000000\" is not allowed \
-         (1 to 64)",
+         (0 to 4096)",
     );
     refused(
         "790.25",
@@ -212,4 +212,15 @@ fn polynomials_that_do_not_look_forward_are_no_lens() {
     assert!(error.to_string().contains("-380"), "{error}");
     calib.polynomial[0] = 0.0;
     assert!(calib.to_model(600.0).is_err());
+}
+
+#[test]
+fn a_lens_that_no_inverse_polynomial_fits_is_not_written_with_nan() {
+    let text =
+        "5 -1e308 0 1.290965e-03 -1.811634e-06 3.0e-09\n1 0\n765.2 799.4\n1 0 0\n1532 1600\n";
+    let calib = OcamCalib::parse(text).unwrap();
+    let Ok(model) = calib.to_model(calib.farthest_corner_px()) else {
+        return;
+    };
+    assert!(OcamCalib::from_model(&model, calib.size_px).is_err());
 }

@@ -1,0 +1,186 @@
+//! Exposure, gain and white balance while the cameras run, as the preview's page sets them.
+
+use std::os::unix::fs::FileTypeExt;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::Duration;
+
+use v4l::Device;
+
+use super::ControlSettings;
+use crate::Health;
+use crate::preview::{Controls, Eyes, Outcome};
+
+/// Greatest exposure time that is asked of a camera, in 0.1 ms.
+const MAX_EXPOSURE: i64 = 100_000;
+/// Whether a camera has come back is looked at this often.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// Controls of one or two cameras while they run. What the page sets is set again when a camera
+/// comes back.
+pub struct LiveControls(Arc<Inner>);
+
+struct Inner {
+    cameras: Vec<(PathBuf, Arc<Health>)>,
+    kept: Mutex<ControlSettings>,
+    /// What the cameras have, in words: the page asks often, and asking a camera takes its time.
+    text: Mutex<String>,
+}
+
+impl std::fmt::Debug for LiveControls {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("LiveControls").finish_non_exhaustive()
+    }
+}
+
+impl LiveControls {
+    /// Of eyes that are cameras, by their names; `None` if an eye is none, or if none of them has a
+    /// control that can be set.
+    pub fn of(eyes: &Eyes) -> Option<Self> {
+        let eyes = eyes.iter().flatten();
+        let cameras: Vec<_> = eyes
+            .map(|(name, health)| (PathBuf::from(name), health.clone()))
+            .collect();
+        let is_device = |path: &Path| {
+            let kind = path.metadata().map(|data| data.file_type());
+            kind.is_ok_and(|kind| kind.is_char_device())
+        };
+        if cameras.is_empty() || !cameras.iter().all(|(path, _)| is_device(path)) {
+            return None;
+        }
+        let inner = Arc::new(Inner {
+            cameras,
+            kept: Mutex::default(),
+            text: Mutex::default(),
+        });
+        let has_any = |settings: &ControlSettings| *settings != ControlSettings::default();
+        if !inner.present().ok()?.iter().any(has_any) {
+            return None;
+        }
+        inner.refresh();
+        let watched = Arc::downgrade(&inner);
+        let thread = std::thread::Builder::new().name("controls".to_owned());
+        thread.spawn(move || set_again(&watched)).ok()?;
+        Some(Self(inner))
+    }
+}
+
+impl Controls for LiveControls {
+    fn text(&self) -> String {
+        lock(&self.0.text).clone()
+    }
+
+    fn set_exposure(&self, exposure: i64) -> Outcome {
+        if !(1..=MAX_EXPOSURE).contains(&exposure) {
+            return Err(format!(
+                "needed is an exposure time of 1 to {MAX_EXPOSURE}, in 0.1 ms"
+            ));
+        }
+        self.0.set(ControlSettings {
+            exposure: Some(exposure),
+            ..*lock(&self.0.kept)
+        })
+    }
+
+    fn lock(&self) -> Outcome {
+        let present = self.0.present()?;
+        self.0.set(ControlSettings::common(&present))
+    }
+}
+
+impl Inner {
+    /// What each camera has now.
+    fn present(&self) -> Result<Vec<ControlSettings>, String> {
+        let cameras = self.cameras.iter();
+        cameras
+            .map(|(path, _)| Ok(ControlSettings::of(&open(path)?)))
+            .collect()
+    }
+
+    fn set(&self, settings: ControlSettings) -> Outcome {
+        for (path, _) in &self.cameras {
+            apply(path, &settings)?;
+        }
+        *lock(&self.kept) = settings;
+        self.refresh();
+        Ok(format!("set: {}", lock(&self.text)))
+    }
+
+    fn refresh(&self) {
+        let words = match self.present() {
+            Ok(present) => words(&present),
+            Err(reason) => reason,
+        };
+        *lock(&self.text) = words;
+    }
+}
+
+/// Gives cameras that came back what the page set, as long as there are controls.
+fn set_again(controls: &Weak<Inner>) {
+    let mut times: Option<Vec<u64>> = None;
+    while let Some(inner) = controls.upgrade() {
+        let cameras = inner.cameras.iter();
+        let now = cameras.map(|(_, health)| health.counts().reconnects);
+        let now: Vec<u64> = now.collect();
+        if times.as_ref().is_some_and(|before| *before != now) {
+            let kept = *lock(&inner.kept);
+            for (path, _) in &inner.cameras {
+                // One that is away again comes back again.
+                let _ = apply(path, &kept);
+            }
+            inner.refresh();
+        }
+        times = Some(now);
+        drop(inner);
+        std::thread::sleep(LOOK);
+    }
+}
+
+fn open(path: &Path) -> Result<Device, String> {
+    Device::with_path(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn apply(path: &Path, settings: &ControlSettings) -> Result<(), String> {
+    let done = settings.apply(&open(path)?);
+    done.map_err(|error| format!("{}: the camera refuses this: {error}", path.display()))
+}
+
+/// What cameras have, in words; once where they agree.
+fn words(present: &[ControlSettings]) -> String {
+    let mut each: Vec<String> = present.iter().map(ControlSettings::to_string).collect();
+    each.dedup();
+    each.join("; ")
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_camera_has_no_controls() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("left.y4m");
+        std::fs::write(&file, b"x").unwrap();
+        for path in [&*file, Path::new("/dev/null"), Path::new("/dev/video999")] {
+            let eye = Some((path.display().to_string(), Arc::default()));
+            assert!(LiveControls::of(&[eye, None]).is_none(), "{path:?}");
+        }
+        assert!(LiveControls::of(&[None, None]).is_none());
+    }
+
+    #[test]
+    fn cameras_that_agree_are_told_once() {
+        let has = |exposure| ControlSettings {
+            exposure: Some(exposure),
+            gain: Some(4),
+            white_balance_k: None,
+        };
+        assert_eq!(words(&[has(57), has(57)]), "exposure 5.7 ms, gain 4");
+        let differ = "exposure 5.7 ms, gain 4; exposure 6 ms, gain 4";
+        assert_eq!(words(&[has(57), has(60)]), differ);
+    }
+}
