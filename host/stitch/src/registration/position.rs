@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use tectum_calibrate::BoardPose;
 use tectum_optics::{Pose, Rig, RigEye, rotation_vector, vector_of_rotation};
 
@@ -17,8 +17,9 @@ use crate::matching::{Sight, Slack, board_pose};
 use crate::relative::{self, BoardSights, Prior, RelativeFit};
 
 /// Squared distance, in standard errors, of a position from the rig's that chance does not explain:
-/// three degrees of freedom, one in ten thousand.
-const CONTRADICTS: f64 = 21.1;
+/// three degrees of freedom, one in a thousand. A false alarm costs little, for then the boards' own pose
+/// is taken; few boards may fit moved eyes as turned by degrees nearly as well, and that costs much.
+const CONTRADICTS: f64 = 16.3;
 /// Standard deviation of a position that is held, mm.
 const HELD_MM: f64 = 1e-3;
 /// Sights of boards that fit at all are within this, rad RMS.
@@ -66,15 +67,27 @@ pub fn by_boards(
     let alone = relative::fit(&boards, &[near_rig.pose], None);
     let alone = alone.filter(|alone| alone.turn_sigma_rad() < SURE_RAD);
     let found = alone.unwrap_or(near_rig);
-    let shift = found.pose.position_mm - held.position_mm;
-    let turn_rad = relative::turn_between(&found.pose.rotation, &held.rotation);
-    let is_near = turn_rad <= options.most_turn_rad && shift.norm() <= most_shift_mm;
-    if !is_near || found.total_rms_rad > FITS_RAD || !contradicts(&found, &shift) {
+    let turn =
+        vector_of_rotation(&(left.rotation * found.pose.rotation * right.rotation.inverse()));
+    let rotations = [(left, -0.5), (right, 0.5)]
+        .map(|(pose, half)| rotation_vector(&(turn * half)) * pose.rotation);
+    // Where the left camera, turned by its half, has the right eye if neither eye was moved.
+    let unmoved_mm = rotations[0].inverse() * (right.position_m - left.position_m) * 1000.0;
+    // Both eyes may have turned alike besides.
+    let common_mm = options.common_sigma_rad * unmoved_mm.norm();
+    let shift = found.pose.position_mm - unmoved_mm;
+    let is_near = turn.norm() <= options.most_turn_rad && shift.norm() <= most_shift_mm;
+    let fits = found.total_rms_rad <= FITS_RAD;
+    if !is_near || !fits || !contradicts(&found, &shift, &unmoved_mm, common_mm) {
         return None;
     }
     // The sights themselves must be nearer to the boards than with the eyes where the rig has them.
     let in_place = Prior {
-        position_sigma_mm: HELD_MM,
+        pose: BoardPose {
+            position_mm: unmoved_mm,
+            ..held
+        },
+        position_sigma_mm: common_mm.max(HELD_MM),
         ..prior
     };
     let in_place = relative::fit(&boards, &starts, Some(&in_place))?;
@@ -87,10 +100,6 @@ pub fn by_boards(
     if in_place.total_rms_rad < least {
         return None;
     }
-    let turn =
-        vector_of_rotation(&(left.rotation * found.pose.rotation * right.rotation.inverse()));
-    let rotations = [(left, -0.5), (right, 0.5)]
-        .map(|(pose, half)| rotation_vector(&(turn * half)) * pose.rotation);
     let middle = (left.position_m + right.position_m) / 2.0;
     let half = rotations[0] * found.pose.position_mm / 2000.0;
     let poses = [(0, -1.0), (1, 1.0)].map(|(eye, sign): (usize, f64)| Pose {
@@ -113,11 +122,19 @@ pub fn relative_of_boards(rig: &Rig, ties: &[Tie]) -> Option<RelativeFit> {
     relative::fit(&boards, &implied, None)
 }
 
-/// Whether a shift of the eyes is more than the sights' scatter explains.
-fn contradicts(found: &RelativeFit, shift: &Vector3<f64>) -> bool {
+/// Whether a shift of the eyes is more than the sights' scatter explains, and a turn of both eyes alike
+/// that moves the baseline's end by `common_mm` (standard deviation).
+fn contradicts(
+    found: &RelativeFit,
+    shift: &Vector3<f64>,
+    baseline_mm: &Vector3<f64>,
+    common_mm: f64,
+) -> bool {
+    let along = baseline_mm.try_normalize(1e-9).unwrap_or_default();
+    let common = (Matrix3::identity() - along * along.transpose()) * common_mm * common_mm;
     let own = found
         .covariance
-        .map(|covariance| covariance.fixed_view::<3, 3>(3, 3).into_owned());
+        .map(|covariance| covariance.fixed_view::<3, 3>(3, 3) + common);
     let inverse = own.and_then(|own| own.try_inverse());
     inverse.is_some_and(|inverse| shift.dot(&(inverse * shift)) > CONTRADICTS)
 }

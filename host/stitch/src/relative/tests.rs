@@ -195,7 +195,7 @@ fn a_mount_far_off_is_found_and_every_doubt_decided() {
 }
 
 #[test]
-#[ignore = "a campaign: a minute"]
+#[ignore = "campaign registration: 300 mounts, a minute"]
 fn mounts_up_to_15_degrees_off() {
     let (offs, wrong) = campaign(300);
     let at = |share: f64| offs[((offs.len() - 1) as f64 * share) as usize];
