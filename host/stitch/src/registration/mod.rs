@@ -6,9 +6,9 @@
 //! method as there; last, boards' poses are refined with them. What that paper leaves open is fixed so:
 //!
 //! - the residual is an angle, so that no shorter focal length makes it small;
-//! - the eyes' positions are the rig's until boards contradict them (`position.rs`), and **parallax is part of the model**: a board's range is
-//!   known from its pose, a natural feature may be anywhere along its ray, so near points do not
-//!   bias the rotation;
+//! - the eyes' positions are the rig's until boards contradict them (`position.rs`), and **parallax is
+//!   part of the model**: a board's range is known from its pose, a natural feature may be anywhere
+//!   along its ray, so near points do not bias the rotation;
 //! - both eyes turning alike would turn the body against its own frame: only what the baseline's
 //!   direction demands is allowed of it, held by a prior, and the body frame stays put;
 //! - scales stay within 5 %, and near 1 as far as the lenses' calibration is sure.
