@@ -237,23 +237,28 @@ pub fn choose(candidates: &[Candidate<'_>], model: Option<Model>) -> Option<usiz
             let usual = |i: &&usize| candidates[**i].lens.count() >= FEW_VIEWS_PARAMETERS;
             all.iter().find(usual).or(all.last()).copied()
         }
-        Some(views) if views < ENOUGH_VIEWS => {
-            let least = all.iter().min_by(|a, b| {
-                let [a, b] = [a, b].map(|i| criterion(&candidates[**i], views));
-                a.total_cmp(&b)
-            });
-            least.copied()
-        }
-        Some(_) => {
-            let polynomial = simplest(candidates, wanted(Some(Model::Ocam)));
+        Some(views) => {
+            let best = |of: Vec<usize>| match views < ENOUGH_VIEWS {
+                true => least(candidates, of, views),
+                false => simplest(candidates, of),
+            };
+            let polynomial = best(wanted(Some(Model::Ocam)));
             match (model, polynomial) {
                 (Some(Model::Ocam), _) => polynomial,
-                (Some(_), _) => simplest(candidates, all),
-                (None, None) => simplest(candidates, all),
+                (Some(_), _) | (None, None) => best(all),
+                // A family of few parameters fits few views by chance, and is wrong farther out.
                 (None, Some(polynomial)) => Some(better_family(candidates, all, polynomial)),
             }
         }
     }
+}
+
+/// The candidate that few views say least against.
+fn least(candidates: &[Candidate<'_>], wanted: Vec<usize>, views: usize) -> Option<usize> {
+    wanted.into_iter().min_by(|a, b| {
+        let [a, b] = [a, b].map(|i| criterion(&candidates[*i], views));
+        a.total_cmp(&b)
+    })
 }
 
 /// What few views say against a candidate: the logarithm of its mean squared residual, of held-out
