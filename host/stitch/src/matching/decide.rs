@@ -9,7 +9,7 @@ use super::{Cue, Outcome, Refusal, Relative, rough};
 /// separately calibrated eyes are off, less than a board turned round.
 const AGREES_RAD: f64 = 0.03;
 /// Fewest shots that settle readings which nothing else does.
-pub const LEAST_SHOTS: usize = 3;
+pub const MIN_SHOTS: usize = 3;
 
 type Found = (usize, usize, Result<Pairing, Refusal>);
 pub type Chosen = Result<(usize, Cue), Refusal>;
@@ -88,7 +88,7 @@ pub fn by_rig(pairings: &[&Pairing], relative: &Relative) -> Vec<Chosen> {
         .collect();
     let (places, pairs): (Vec<usize>, Vec<BoardPair>) = settled.into_iter().unzip();
     if let Some(best) = agreement(&pairs, AGREES_RAD.min(tolerance))
-        && best.agreeing >= LEAST_SHOTS
+        && best.agreeing >= MIN_SHOTS
         && 2 * best.agreeing > pairs.len()
     {
         for (place, reading) in places.into_iter().zip(best.readings) {
@@ -146,5 +146,5 @@ fn is_sure(best: &Agreement, pairings: &[&Pairing]) -> bool {
     let open = best.agreeing > agreeing_marked;
     let most = 2 * agreeing_marked > marked || marked == 0;
     most && best.agreeing >= 2
-        && (!open || (best.agreeing >= LEAST_SHOTS && 2 * best.rival <= best.agreeing))
+        && (!open || (best.agreeing >= MIN_SHOTS && 2 * best.rival <= best.agreeing))
 }

@@ -2,7 +2,7 @@
 
 use tectum_calibrate::BoardPose;
 
-use super::decide::{Chosen, LEAST_SHOTS, by_rig};
+use super::decide::{Chosen, MIN_SHOTS, by_rig};
 use super::readings::Pairing;
 use super::{Cue, Refusal, Relative, Slack};
 use crate::relative::{self, Prior};
@@ -126,7 +126,7 @@ fn is_sure(
         .iter()
         .filter(|other| other.is_within(slack) && other.contradicts(best));
     let rival = rivals.map(Candidate::agreeing).max().unwrap_or(0);
-    agreeing >= LEAST_SHOTS && 2 * rival <= agreeing && 2 * agreeing > pairings.len()
+    agreeing >= MIN_SHOTS && 2 * rival <= agreeing && 2 * agreeing > pairings.len()
 }
 
 fn chosen(best: &Candidate, pairings: &[&Pairing]) -> Vec<Chosen> {

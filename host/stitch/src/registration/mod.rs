@@ -89,12 +89,12 @@ impl Default for Options {
 }
 
 /// Fewest pairs of a registration.
-const LEAST_TIES: usize = 6;
+const MIN_TIES: usize = 6;
 /// Standard deviation of a lens's scale up to which boards tell the eyes' positions: a range to a
 /// millimetre in a metre.
 const SURE_SCALE: f64 = 1e-3;
 /// Least share of the pairs that must agree: of random ones less than a tenth do.
-const LEAST_SHARE: f64 = 0.15;
+const MIN_SHARE: f64 = 0.15;
 
 /// Two eyes registered.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -161,11 +161,11 @@ pub fn register(
         .enumerate()
         .filter_map(|(k, tie)| usable(&mount, tie).map(|rays| (k, rays)))
         .collect();
-    if usable.len() < LEAST_TIES {
+    if usable.len() < MIN_TIES {
         return Err(RegistrationError::TooFew {
             given: ties.len(),
             usable: usable.len(),
-            needed: LEAST_TIES,
+            needed: MIN_TIES,
         });
     }
     let (places, rays): (Vec<usize>, Vec<Rays>) = usable.into_iter().unzip();
@@ -288,7 +288,7 @@ fn agreed(
     let consensus = sample.consensus(options)?;
     let (inliers, pairs) = (consensus.count(), sample.ties.len());
     let turn = consensus.turn_rad(&sample.rotations);
-    let enough = inliers >= LEAST_TIES && inliers as f64 >= LEAST_SHARE * pairs as f64;
+    let enough = inliers >= MIN_TIES && inliers as f64 >= MIN_SHARE * pairs as f64;
     if enough && turn <= options.most_turn_rad {
         return Ok(consensus);
     }

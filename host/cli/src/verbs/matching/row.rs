@@ -73,7 +73,7 @@ impl Row {
         let truth = RelativePose::of(&overlap.eyes).rotation;
         self.rotation_off_rad = found.as_ref().map(|found| {
             let turn = found.pose.rotation * truth.inverse();
-            turn.angle()
+            tectum_optics::vector_of_rotation(&turn).norm()
         });
         self.rotation_sigma_rad = found.map(|found| found.turn_sigma_rad());
         self
