@@ -195,9 +195,9 @@ fn a_mount_far_off_is_found_and_every_doubt_decided() {
 }
 
 #[test]
-#[ignore = "campaign registration: 300 mounts, a minute"]
+#[ignore = "campaign registration: 60 mounts, some minutes"]
 fn mounts_up_to_15_degrees_off() {
-    let (offs, wrong) = campaign(300);
+    let (offs, wrong) = campaign(60);
     let at = |share: f64| offs[((offs.len() - 1) as f64 * share) as usize];
     println!(
         "{} found, median {:.4}, 95 % {:.4}, worst {:.4} degrees; {wrong} wrong",
