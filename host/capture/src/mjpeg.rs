@@ -1,9 +1,9 @@
 //! Motion JPEG: pictures one after the other in a file or a pipe.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::input::Input;
 use crate::jpeg::{self, Found, Scanner, check_jpeg};
 use crate::recorded::Recorded;
 use crate::source::{Frame, FrameSource, Next};
@@ -20,7 +20,7 @@ const PERIOD_NS: u64 = 33_333_333;
 pub struct Mjpeg {
     path: PathBuf,
     name: String,
-    scanner: Scanner<File>,
+    scanner: Scanner<Input>,
     format: FrameFormat,
     data: Vec<u8>,
     /// Whether `data` is the first picture, read on opening and not handed out yet.
@@ -44,11 +44,19 @@ impl Mjpeg {
     /// [`CaptureError::File`] if there is no sound JPEG picture; [`CaptureError::Io`] or
     /// [`CaptureError::NoDevice`] if it cannot be read.
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
-        let file = File::open(path).map_err(|e| CaptureError::io(path, e))?;
-        let mut scanner = Scanner::new(file);
+        Self::read_from(Input::open(path)?)
+    }
+
+    /// Reads up to the first sound picture.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub(crate) fn read_from(input: Input) -> Result<Self, CaptureError> {
+        let (path, name) = (input.path.clone(), input.name.clone());
+        let mut scanner = Scanner::new(input);
         let mut recorded = Recorded::default();
         loop {
-            let found = scanner.next().map_err(|e| CaptureError::io(path, e))?;
+            let found = scanner.next().map_err(|e| CaptureError::io(&path, e))?;
             match found {
                 Found::Picture(picture) => {
                     let Ok(info) = check_jpeg(picture) else {
@@ -57,8 +65,8 @@ impl Mjpeg {
                     };
                     let data = picture.to_vec();
                     return Ok(Self {
-                        path: path.to_owned(),
-                        name: path.display().to_string(),
+                        path,
+                        name,
                         scanner,
                         format: FrameFormat::packed(Layout::Mjpeg, info.size_px),
                         data,
@@ -69,7 +77,7 @@ impl Mjpeg {
                 Found::Damaged(part) => recorded.damaged(stamp_of(part)),
                 Found::End => {
                     return Err(CaptureError::File {
-                        path: path.to_owned(),
+                        path,
                         why: "not a motion JPEG file: there is no whole JPEG picture in it"
                             .to_owned(),
                     });

@@ -14,6 +14,7 @@ mod live;
 mod matching;
 mod motion;
 mod page;
+mod pipes;
 mod register;
 mod slips;
 mod verbs;
