@@ -13,7 +13,8 @@ use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 const PERIOD_NS: u64 = 33_333_333;
 
 /// A file or pipe of JPEG pictures one after the other. Times are those of the recording, in a
-/// comment of each picture; without, frames are a thirtieth of a second apart.
+/// comment of each picture; without, frames are a thirtieth of a second apart. The first picture
+/// tells the range of colours.
 ///
 /// What stands between two pictures is passed over. A picture that is cut off, whose data are
 /// damaged, or that is not of the first one's size is counted as corrupt and costs itself alone.
@@ -64,11 +65,15 @@ impl Mjpeg {
                         continue;
                     };
                     let data = picture.to_vec();
+                    let format = FrameFormat {
+                        full_range: !jpeg::is_limited_range(&data),
+                        ..FrameFormat::packed(Layout::Mjpeg, info.size_px)
+                    };
                     return Ok(Self {
                         path,
                         name,
                         scanner,
-                        format: FrameFormat::packed(Layout::Mjpeg, info.size_px),
+                        format,
                         data,
                         is_first: true,
                         recorded,

@@ -4,6 +4,7 @@ use std::io::{self, BufRead, Read};
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::convert::from_ycbcr;
 use crate::input::Input;
 use crate::recorded::Recorded;
 use crate::source::{Frame, FrameSource, Next};
@@ -309,28 +310,8 @@ fn pack(format: FrameFormat, [y, u, v]: [&[u8]; 3], out: &mut Vec<u8>) {
         }
         Layout::Rgb24 => {
             let pixels = y.iter().zip(u.iter().zip(v));
-            out.extend(pixels.flat_map(|(y, (u, v))| rgb(*y, *u, *v, format.full_range)));
+            out.extend(pixels.flat_map(|(y, (u, v))| from_ycbcr([*y, *u, *v], format.full_range)));
         }
         Layout::Grey | Layout::Rgb565 | Layout::Mjpeg => out.extend_from_slice(y),
     }
-}
-
-/// BT.601, in full range as JPEG has it (ITU-T T.871) or in the limited range of video.
-fn rgb(y: u8, u: u8, v: u8, full_range: bool) -> [u8; 3] {
-    let [y, u, v] = [f64::from(y), f64::from(u) - 128.0, f64::from(v) - 128.0];
-    let [y, u, v] = if full_range {
-        [y, u, v]
-    } else {
-        [
-            (y - 16.0) * 255.0 / 219.0,
-            u * 255.0 / 224.0,
-            v * 255.0 / 224.0,
-        ]
-    };
-    let rgb = [
-        y + 1.402 * v,
-        y - 0.344_136 * u - 0.714_136 * v,
-        y + 1.772 * u,
-    ];
-    rgb.map(|c| c.round().clamp(0.0, 255.0) as u8)
 }

@@ -273,3 +273,19 @@ fn an_eye_that_is_not_there_is_black_in_the_range_of_the_other() {
     }
     assert!(stitcher.stitch_available([None, None]).unwrap().is_none());
 }
+
+#[test]
+fn pictures_that_say_so_are_of_limited_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mjpeg");
+    let bytes = fs::read(stream("padded.mjpeg")).unwrap();
+    assert!(
+        open_video(&stream("padded.mjpeg"))
+            .unwrap()
+            .format()
+            .full_range
+    );
+    let comment = b"\xff\xd8\xff\xfe\x00\x0cCS=ITU601\0";
+    fs::write(&path, [&comment[..], &bytes[2..]].concat()).unwrap();
+    assert!(!open_video(&path).unwrap().format().full_range);
+}

@@ -10,6 +10,7 @@ mod common;
 mod demo;
 mod design;
 mod detect;
+mod ffmpeg;
 mod live;
 mod matching;
 mod motion;

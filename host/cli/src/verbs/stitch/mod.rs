@@ -75,6 +75,14 @@ pub struct Args {
     limits: Limits,
     #[command(flatten)]
     view: ViewArgs,
+    /// Where pictures, videos and marks that the page of --view asks for are saved; made when first needed
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "tectum-view",
+        requires = "view"
+    )]
+    view_folder: PathBuf,
     #[command(flatten)]
     cameras: CameraOptions,
 }
