@@ -289,3 +289,64 @@ fn pictures_that_say_so_are_of_limited_range() {
     fs::write(&path, [&comment[..], &bytes[2..]].concat()).unwrap();
     assert!(!open_video(&path).unwrap().format().full_range);
 }
+
+#[test]
+fn whatever_stands_between_and_before_pictures_is_passed_over() {
+    let bytes = fs::read(stream("padded.mjpeg")).unwrap();
+    let marks = bytes.windows(3).enumerate();
+    let starts = marks.filter(|(_, three)| *three == [0xff, 0xd8, 0xff]);
+    let starts: Vec<usize> = starts.map(|(at, _)| at).collect();
+    let ends = starts[1..].iter().copied().chain([bytes.len()]);
+    let pictures = starts.iter().zip(ends).map(|(from, to)| &bytes[*from..to]);
+    // Without the padding that is there already.
+    let pictures: Vec<&[u8]> = pictures.map(|p| p.strip_suffix(&[0; 3]).unwrap()).collect();
+    let all = |change: &dyn Fn(usize, &[u8]) -> Vec<u8>| -> Vec<u8> {
+        let changed = pictures.iter().enumerate();
+        changed
+            .flat_map(|(i, picture)| change(i, picture))
+            .collect()
+    };
+    let with = |before: &[u8], behind: &[u8]| all(&|_, p| [before, p, behind].concat());
+    let cut = |which: usize, to: usize| {
+        all(&|i, p| {
+            if i == which {
+                p[..to].to_vec()
+            } else {
+                p.to_vec()
+            }
+        })
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mjpeg");
+    let http = b"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: 912\r\n\r\n";
+    for (name, bytes, sound, damaged) in [
+        ("doubled starts", with(&[0xff, 0xd8], &[]), 5, 0),
+        ("parts of a web stream", with(http, b"\r\n"), 5, 0),
+        ("doubled ends", with(&[], &[0xff, 0xd9]), 5, 0),
+        ("fill bytes", with(&[], &[0xff; 7]), 5, 0),
+        ("noise", with(b"noise, and more", b"noise"), 5, 0),
+        ("no ends", all(&|_, p| p[..p.len() - 2].to_vec()), 5, 0),
+        ("the first is cut", cut(0, 300), 4, 1),
+        (
+            "two are cut",
+            all(&|i, p| p[..if i % 2 == 1 { 400 } else { p.len() }].to_vec()),
+            3,
+            2,
+        ),
+        ("the last is cut", cut(4, 300), 4, 1),
+    ] {
+        fs::write(&path, bytes).unwrap();
+        let (frames, corrupt) = read(|| open_video(&path).unwrap());
+        assert_eq!((frames.len(), corrupt), (sound, damaged), "{name}");
+    }
+    // One that is cut anywhere costs itself alone; without any of it nobody knows that it was there.
+    for to in (20..pictures[2].len() - 2).step_by(7) {
+        fs::write(&path, cut(2, to)).unwrap();
+        let (frames, corrupt) = read(|| open_video(&path).unwrap());
+        assert_eq!(
+            (frames, corrupt),
+            (vec![0, 1, 3, 4], 1),
+            "cut to {to} bytes"
+        );
+    }
+}

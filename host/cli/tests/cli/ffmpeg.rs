@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use tectum_capture::{Frame, FrameSource, Next, open_video, to_rgb8};
 

@@ -182,8 +182,9 @@ fn a_pipe_that_ends_inside_a_frame_ends_the_recording_and_is_counted() {
     }
 }
 
-/// A pipe that gives all of a file and then nothing, without an end.
-fn endless(bench: &Bench, arguments: &str) -> Child {
+/// Runs `tectum` with a pipe that gives all of a file and then nothing, without an end; what keeps
+/// the pipe open.
+fn endless(bench: &Bench, arguments: &str) -> [Child; 2] {
     let mut feeder = bench.command("sh");
     let feeder = feeder.args(["-c", "cat left.y4m; exec sleep 60"]);
     let mut feeder = feeder.stdout(Stdio::piped()).spawn().unwrap();
@@ -194,13 +195,7 @@ fn endless(bench: &Bench, arguments: &str) -> Child {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn();
-    // It holds the pipe open until it is told, when this program ends at the latest.
-    std::thread::spawn(move || {
-        std::thread::sleep(Duration::from_secs(20));
-        let _ = feeder.kill();
-        feeder.wait()
-    });
-    child.unwrap()
+    [child.unwrap(), feeder]
 }
 
 #[test]
@@ -215,7 +210,7 @@ fn signals_end_a_stream_that_waits_with_its_report_and_whole_files() {
             } else {
                 format!("capture {folder} --left - --right right.y4m --record y4m --json")
             };
-            let child = endless(&bench, &arguments);
+            let [child, mut feeder] = endless(&bench, &arguments);
             // Long enough for five frames at thirty a second; what the test waits for is the video.
             let video = bench.path(&format!("{folder}/left.y4m"));
             let begun = Instant::now();
@@ -232,6 +227,8 @@ fn signals_end_a_stream_that_waits_with_its_report_and_whole_files() {
             let told = Command::new("kill").args(["-s", signal, &process]).status();
             assert!(told.unwrap().success());
             let output = child.wait_with_output().unwrap();
+            feeder.kill().unwrap();
+            feeder.wait().unwrap();
             let report = report(&output);
             assert_eq!(report["frames"], 5, "{verb} {signal}");
             if verb == "capture" {
