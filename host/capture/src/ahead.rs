@@ -14,8 +14,8 @@ const WAIT: Duration = Duration::from_millis(100);
 const FRAMES_AHEAD: usize = 2;
 
 /// Frames of a source that may wait for its next frame for any length of time, such as a pipe. A
-/// thread reads them, at most [`FRAMES_AHEAD`] before they are asked for; it ends with the source, or
-/// when a frame comes that nobody wants any more.
+/// thread reads them, at most [`FRAMES_AHEAD`] before they are asked for; it ends with the source,
+/// or when a frame comes that nobody wants any more.
 pub(crate) struct Ahead {
     name: String,
     format: FrameFormat,

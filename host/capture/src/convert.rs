@@ -12,8 +12,8 @@ use crate::{Frame, FrameFormat, Layout, jpeg};
 #[error("the frame cannot be decoded")]
 pub struct NotDecodable;
 
-/// The frame's pixels in [`FrameFormat::core_format`], and the bytes from row to row. Borrowed from the
-/// frame where the core takes its layout as it is; otherwise written to `scratch`.
+/// The frame's pixels in [`FrameFormat::core_format`], and the bytes from row to row. Borrowed from
+/// the frame where the core takes its layout as it is; otherwise written to `scratch`.
 ///
 /// # Errors
 /// [`NotDecodable`] if the bytes are too few or, for JPEG, no picture of the format's size.
@@ -106,7 +106,8 @@ pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
     })
 }
 
-/// Red, green and blue by BT.601, in full range as JPEG has it (ITU-T T.871) or in the limited range of video.
+/// Red, green and blue by BT.601, in full range as JPEG has it (ITU-T T.871) or in the limited
+/// range of video.
 pub(crate) fn from_ycbcr([y, u, v]: [u8; 3], full_range: bool) -> [u8; 3] {
     let [y, u, v] = [f64::from(y), f64::from(u) - 128.0, f64::from(v) - 128.0];
     let [y, u, v] = if full_range {

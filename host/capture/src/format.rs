@@ -111,8 +111,8 @@ impl FrameFormat {
         }
     }
 
-    /// The core's format that frames are stitched in. JPEG pictures of an odd width have no pairs of
-    /// pixels to share chroma.
+    /// The core's format that frames are stitched in. JPEG pictures of an odd width have no pairs
+    /// of pixels to share chroma.
     pub fn core_format(&self) -> Format {
         match self.layout {
             Layout::Mjpeg if self.size_px[0] % 2 == 1 => Format::Rgb8,

@@ -56,7 +56,8 @@ pub struct Recorded {
     pub name: String,
     /// Frames of each eye that are on the disk.
     pub frames: u64,
-    /// Moments at which an eye gave no frame, or one that cannot be decoded; the other's was left out.
+    /// Moments at which an eye gave no frame, or one that cannot be decoded; the other's was left
+    /// out.
     pub left_out: u64,
     /// Frames that did not reach the disk.
     pub lost: u64,

@@ -157,9 +157,10 @@ impl Recorder {
         Ok(is_sound)
     }
 
-    /// Writes the frames of one moment, left and right, each to the recorder of its eye where there is
-    /// one: both or, if one of them is missing or cannot be decoded, none, so that frame n of both eyes
-    /// was taken at one moment. They are encoded beside each other. Whether they were written.
+    /// Writes the frames of one moment, left and right, each to the recorder of its eye where there
+    /// is one: both or, if one of them is missing or cannot be decoded, none, so that frame n of
+    /// both eyes was taken at one moment. They are encoded beside each other. Whether they were
+    /// written.
     ///
     /// # Errors
     /// As [`write`](Self::write).

@@ -10,8 +10,8 @@ use crate::{CaptureError, FrameSource, Mjpeg, VideoKind, Y4m, y4m_header};
 const TELLING_BYTES: usize = 16;
 
 /// Opens a video: a y4m or motion JPEG file, whatever its name says, a named pipe that gives one of
-/// them or, for `-`, the standard input. What comes from a pipe is read by a thread of its own, so that
-/// no frame is waited for longer than a source may take.
+/// them or, for `-`, the standard input. What comes from a pipe is read by a thread of its own, so
+/// that no frame is waited for longer than a source may take.
 ///
 /// # Errors
 /// [`CaptureError::File`] if it holds something else, with what to do;
@@ -26,7 +26,8 @@ pub fn open_video(path: &Path) -> Result<Box<dyn FrameSource>, CaptureError> {
     if first.is_empty() {
         return Err(refuse("is empty: there is no video in it".to_owned()));
     }
-    // Pictures are found in a container too, where each is a JPEG picture; others say nothing there.
+    // Pictures are found in a container too, where each is a JPEG picture; others say nothing
+    // there.
     if let (Some(what), false) = (other_video(&first), is_named_mjpeg(path)) {
         return Err(refuse(format!("{what}: {}", conversion_advice(path))));
     }

@@ -18,9 +18,9 @@ const MAX_LINE_BYTES: usize = 1024;
 /// Bytes asked for beyond what is needed.
 const READ_BYTES: usize = 1 << 16;
 
-/// A y4m file or pipe: luma as [`Layout::Grey`], 4:2:2 as [`Layout::Yuyv`], 4:2:0 as [`Layout::Nv12`]
-/// and 4:4:4 as [`Layout::Rgb24`] (BT.601). Colours are of limited range unless the file says
-/// otherwise. Times are those of the recording, else they follow from the frame rate.
+/// A y4m file or pipe: luma as [`Layout::Grey`], 4:2:2 as [`Layout::Yuyv`], 4:2:0 as
+/// [`Layout::Nv12`] and 4:4:4 as [`Layout::Rgb24`] (BT.601). Colours are of limited range unless
+/// the file says otherwise. Times are those of the recording, else they follow from the frame rate.
 ///
 /// A frame that is cut is left out and counted as corrupt, and the next is searched for. Recordings
 /// of one format that were joined are one.
@@ -151,8 +151,8 @@ impl Y4m {
         if self.fill(frame_bytes)?.len() < frame_bytes {
             return self.search(Some(line), stamped);
         }
-        // A frame that lost bytes reaches into the next. What stands behind it tells; from a pipe that
-        // would come with the next frame only, so that it is asked for where there is a doubt.
+        // A frame that lost bytes reaches into the next. What stands behind it tells; from a pipe
+        // that would come with the next frame only, so that it is asked for where there is a doubt.
         let planes = &self.rest()[line..frame_bytes];
         let is_in_doubt = !self.input.is_pipe || next_frame(planes).is_some();
         if is_in_doubt && !self.is_end_of_frame(frame_bytes)? {

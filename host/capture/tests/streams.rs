@@ -339,7 +339,8 @@ fn whatever_stands_between_and_before_pictures_is_passed_over() {
         let (frames, corrupt) = read(|| open_video(&path).unwrap());
         assert_eq!((frames.len(), corrupt), (sound, damaged), "{name}");
     }
-    // One that is cut anywhere costs itself alone; without any of it nobody knows that it was there.
+    // One that is cut anywhere costs itself alone; without any of it nobody knows that it was
+    // there.
     for to in (20..pictures[2].len() - 2).step_by(7) {
         fs::write(&path, cut(2, to)).unwrap();
         let (frames, corrupt) = read(|| open_video(&path).unwrap());

@@ -40,8 +40,8 @@ pub(crate) fn to_rgb8(
     })
 }
 
-/// A picture of even width as luma for each pixel and chroma for each pair, in its own range. No pixel
-/// goes through red, green and blue, unless the picture itself is of them.
+/// A picture of even width as luma for each pixel and chroma for each pair, in its own range. No
+/// pixel goes through red, green and blue, unless the picture itself is of them.
 ///
 /// # Errors
 /// [`NotDecodable`] if it is no sound picture of `size_px`.
@@ -87,8 +87,8 @@ fn decode(jpeg: &[u8], size_px: [u16; 2], wanted: ColorSpace) -> Result<Decoded,
     decoded.ok_or(NotDecodable)
 }
 
-/// Pixels in luma if the picture has nothing else, as `wanted` if it can be had, or in red, green and
-/// blue.
+/// Pixels in luma if the picture has nothing else, as `wanted` if it can be had, or in red, green
+/// and blue.
 fn pixels(jpeg: &[u8], size_px: [u16; 2], wanted: ColorSpace, is_strict: bool) -> Option<Decoded> {
     let [width, height] = size_px.map(usize::from);
     let options = DecoderOptions::default()

@@ -26,8 +26,8 @@ use crate::report::{Report, Usage};
 pub struct Args {
     /// Table; without, the eyes are shown alone. The demo has its own
     table: Option<PathBuf>,
-    /// Left eye: a camera (best by its name in /dev/v4l/by-id), a recording, a folder of pictures, or -
-    /// for a video (y4m, motion JPEG) on the standard input
+    /// Left eye: a camera (best by its name in /dev/v4l/by-id), a recording, a folder of pictures,
+    /// or - for a video (y4m, motion JPEG) on the standard input
     #[arg(long, value_name = "A")]
     left: Option<PathBuf>,
     /// Right eye; one eye alone will do

@@ -65,8 +65,8 @@ fn ranges_are_read_as_ffmpeg_reads_them() {
             "-pix_fmt yuv422p -color_range tv -strict -1 -q:v 2",
         ),
     ] {
-        // Black, grey, white and a colour, each so wide that chroma of neighbours does not mix at its
-        // middle.
+        // Black, grey, white and a colour, each so wide that chroma of neighbours does not mix at
+        // its middle.
         let source = "color=black:s=16x48:r=5[a];color=gray:s=16x48:r=5[b];\
                       color=white:s=16x48:r=5[c];color=0xb04020:s=16x48:r=5[d];\
                       [a][b][c][d]hstack=4";

@@ -1,5 +1,5 @@
-//! The built program with a driver of our own (`preloaded.c`) on this machine: motion JPEG, damage and
-//! gaps at known places, rows with padding, what cannot be read.
+//! The built program with a driver of our own (`preloaded.c`) on this machine: motion JPEG, damage
+//! and gaps at known places, rows with padding, what cannot be read.
 
 use std::fs;
 use std::os::unix::fs::symlink;
