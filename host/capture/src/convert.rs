@@ -12,8 +12,8 @@ use crate::{Frame, FrameFormat, Layout, jpeg};
 #[error("the frame cannot be decoded")]
 pub struct NotDecodable;
 
-/// The frame's pixels in [`Layout::core_format`], and the bytes from row to row. Borrowed from the
-/// frame where the core takes its layout as it is; otherwise written to `scratch`.
+/// The frame's pixels in [`FrameFormat::core_format`], and the bytes from row to row. Borrowed from
+/// the frame where the core takes its layout as it is; otherwise written to `scratch`.
 ///
 /// # Errors
 /// [`NotDecodable`] if the bytes are too few or, for JPEG, no picture of the format's size.
@@ -58,8 +58,17 @@ pub fn to_core<'a>(
             Ok((scratch, width * 3))
         }
         Layout::Mjpeg => {
-            *scratch = jpeg::to_rgb8(frame.data, frame.format.size_px)?;
-            Ok((scratch, width * 3))
+            let FrameFormat {
+                size_px,
+                full_range,
+                ..
+            } = frame.format;
+            let format = frame.format.core_format();
+            *scratch = match format {
+                Format::Yuyv => jpeg::to_yuyv(frame.data, size_px)?,
+                _ => jpeg::to_rgb8(frame.data, size_px, full_range)?,
+            };
+            Ok((scratch, width * format.bytes_per_pixel()))
         }
     }
 }
@@ -69,9 +78,18 @@ pub fn to_core<'a>(
 /// # Errors
 /// As [`to_core`].
 pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
+    if frame.format.layout == Layout::Mjpeg {
+        // With all of the colour that is in it.
+        let FrameFormat {
+            size_px,
+            full_range,
+            ..
+        } = frame.format;
+        return jpeg::to_rgb8(frame.data, size_px, full_range);
+    }
     let mut scratch = Vec::new();
     let (data, stride) = to_core(frame, &mut scratch)?;
-    let format = frame.format.layout.core_format();
+    let format = frame.format.core_format();
     let [width, height] = frame.format.size_px.map(usize::from);
     let row = width * format.bytes_per_pixel();
     let packed: Cow<'_, [u8]> = if stride == row {
@@ -98,6 +116,27 @@ pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
         }
         _ => core_to_rgb8(format, &packed),
     })
+}
+
+/// Red, green and blue by BT.601, in full range as JPEG has it (ITU-T T.871) or in the limited
+/// range of video.
+pub(crate) fn from_ycbcr([y, u, v]: [u8; 3], full_range: bool) -> [u8; 3] {
+    let [y, u, v] = [f64::from(y), f64::from(u) - 128.0, f64::from(v) - 128.0];
+    let [y, u, v] = if full_range {
+        [y, u, v]
+    } else {
+        [
+            (y - 16.0) * 255.0 / 219.0,
+            u * 255.0 / 224.0,
+            v * 255.0 / 224.0,
+        ]
+    };
+    let rgb = [
+        y + 1.402 * v,
+        y - 0.344_136 * u - 0.714_136 * v,
+        y + 1.772 * u,
+    ];
+    rgb.map(|c| c.round().clamp(0.0, 255.0) as u8)
 }
 
 /// `value` of `range` steps around `zero` as of 255 around `middle`, rounded.

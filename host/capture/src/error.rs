@@ -48,6 +48,19 @@ pub enum CaptureError {
         /// What there is, a line each.
         offered: String,
     },
+    /// The camera gives pictures that cannot be used as they are.
+    #[error(
+        "{name}: gives {what}. Convert it and read it from a pipe: `ffmpeg -f v4l2 -i {name} {filter}-f \
+         yuv4mpegpipe - | tectum ... --left -`"
+    )]
+    Unreadable {
+        /// Its name.
+        name: String,
+        /// What it gives.
+        what: String,
+        /// Options of ffmpeg, each with a space behind it.
+        filter: &'static str,
+    },
     /// The two eyes give different frames.
     #[error(
         "the two cameras differ: left ({left_name}) gives {left}, right ({right_name}) gives \

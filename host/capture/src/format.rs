@@ -74,18 +74,6 @@ impl Layout {
         }
     }
 
-    /// The core's format that frames of this layout are stitched in.
-    pub fn core_format(self) -> Format {
-        match self {
-            Self::Yuyv | Self::Nv12 => Format::Yuyv,
-            Self::Uyvy => Format::Uyvy,
-            Self::Grey => Format::Gray8,
-            Self::Rgb565 => Format::Rgb565,
-            Self::Rgb565Be => Format::Rgb565Be,
-            Self::Rgb24 | Self::Mjpeg | Self::Bayer(_) => Format::Rgb8,
-        }
-    }
-
     /// Bytes to a pixel of the first plane; `None` for compressed frames.
     pub fn bytes_per_pixel(self) -> Option<usize> {
         match self {
@@ -144,6 +132,20 @@ impl FrameFormat {
             size_px,
             stride_bytes: layout.bytes_per_pixel().unwrap_or(0) * usize::from(size_px[0]),
             full_range: true,
+        }
+    }
+
+    /// The core's format that frames are stitched in. JPEG pictures of an odd width have no pairs
+    /// of pixels to share chroma.
+    pub fn core_format(&self) -> Format {
+        match self.layout {
+            Layout::Mjpeg if self.size_px[0] % 2 == 1 => Format::Rgb8,
+            Layout::Yuyv | Layout::Nv12 | Layout::Mjpeg => Format::Yuyv,
+            Layout::Uyvy => Format::Uyvy,
+            Layout::Grey => Format::Gray8,
+            Layout::Rgb565 => Format::Rgb565,
+            Layout::Rgb565Be => Format::Rgb565Be,
+            Layout::Rgb24 | Layout::Bayer(_) => Format::Rgb8,
         }
     }
 

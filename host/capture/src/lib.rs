@@ -7,6 +7,7 @@
 //! together by the time at which their frames were taken. [`preview`] shows what comes out in a
 //! browser.
 
+mod ahead;
 mod bayer;
 mod believed;
 mod clock;
@@ -20,6 +21,7 @@ mod format;
 mod generated;
 mod guidance;
 mod health;
+mod input;
 mod jpeg;
 mod live;
 mod mjpeg;
@@ -38,8 +40,10 @@ mod source;
 mod stamp;
 mod stop;
 mod utc;
+mod video;
 mod writer;
 mod y4m_file;
+mod y4m_header;
 
 pub use bayer::{Bayer, Depth, Mosaic};
 pub use clock::{Judgement, Period, Stamp, is_plausible, judge, monotonic_ns};
@@ -66,4 +70,5 @@ pub use side_by_side::{half_format, halves};
 pub use source::{Frame, FrameSource, Next};
 pub use stop::Stop;
 pub use utc::utc;
+pub use video::{conversion_advice, open_video};
 pub use y4m_file::Y4m;

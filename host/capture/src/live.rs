@@ -1,11 +1,14 @@
 //! Stitching of frames as they come.
 
+use std::panic::resume_unwind;
+use std::thread;
+
 use tectum_bake::{Format, StitchFailure, stitch_bands, with_format};
 use tectum_core::{Eye, Frame as CoreFrame, PixelFormat, Sampler, Tables};
 
 use tectum_tables::RunKind;
 
-use crate::convert::to_core;
+use crate::convert::{NotDecodable, to_core};
 use crate::{CaptureError, Frame, FrameFormat, Layout, Pair, Shot};
 
 /// Luma of black in the limited range of video (ITU-R BT.601).
@@ -44,7 +47,7 @@ impl<'t> LiveStitcher<'t> {
     }
 
     /// Layout of the stitched picture: that of the frames, or what they are unpacked to.
-    pub fn output_layout(frames: Layout) -> Layout {
+    pub fn output_layout(frames: FrameFormat) -> Layout {
         match frames.core_format() {
             Format::Gray8 => Layout::Grey,
             Format::Rgb565 => Layout::Rgb565,
@@ -58,7 +61,7 @@ impl<'t> LiveStitcher<'t> {
     /// Format of the stitched picture of frames in `frames`: in their range, where luma and chroma
     /// stay as they are.
     pub fn output_format(&self, frames: FrameFormat) -> FrameFormat {
-        let layout = Self::output_layout(frames.layout);
+        let layout = Self::output_layout(frames);
         let keeps_range = matches!(layout, Layout::Grey | Layout::Yuyv | Layout::Uyvy);
         FrameFormat {
             full_range: frames.full_range || !keeps_range,
@@ -103,7 +106,7 @@ impl<'t> LiveStitcher<'t> {
             return Ok(None);
         };
         let mut black = std::mem::take(&mut self.black);
-        let layout = Self::output_layout(there.format.layout);
+        let layout = Self::output_layout(there.format);
         let missing = if eyes[0].is_none() {
             Eye::Left
         } else {
@@ -142,16 +145,14 @@ impl<'t> LiveStitcher<'t> {
     }
 
     fn stitch_pair(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {
-        with_format!(pair.left.format.layout.core_format(), F => self.stitch_as::<F>(pair))
+        with_format!(pair.left.format.core_format(), F => self.stitch_as::<F>(pair))
     }
 
     fn stitch_as<F: PixelFormat + Sync>(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {
         let [width, height] = self.output_size_px().map(usize::from);
         let [left_scratch, right_scratch] = &mut self.scratch;
-        let (Ok(left), Ok(right)) = (
-            to_core(&pair.left, left_scratch),
-            to_core(&pair.right, right_scratch),
-        ) else {
+        let both = both_to_core(pair, [left_scratch, right_scratch]);
+        let [Ok(left), Ok(right)] = both else {
             return Ok(false);
         };
         let frame = |(data, stride), size_px: [u16; 2]| {
@@ -168,4 +169,21 @@ impl<'t> LiveStitcher<'t> {
         }
         Ok(true)
     }
+}
+
+type Core<'a> = Result<(&'a [u8], usize), NotDecodable>;
+
+/// Both eyes as the core takes them; compressed ones are decoded beside each other.
+fn both_to_core<'a>(pair: &Pair<'a>, [left, right]: [&'a mut Vec<u8>; 2]) -> [Core<'a>; 2] {
+    if pair.left.format.layout != Layout::Mjpeg {
+        return [to_core(&pair.left, left), to_core(&pair.right, right)];
+    }
+    thread::scope(|scope| {
+        let left = scope.spawn(|| to_core(&pair.left, left));
+        let right = to_core(&pair.right, right);
+        [
+            left.join().unwrap_or_else(|panic| resume_unwind(panic)),
+            right,
+        ]
+    })
 }

@@ -1,9 +1,9 @@
 //! Motion JPEG: pictures one after the other in a file or a pipe.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::input::Input;
 use crate::jpeg::{self, Found, Scanner, check_jpeg};
 use crate::recorded::Recorded;
 use crate::source::{Frame, FrameSource, Next};
@@ -13,14 +13,15 @@ use crate::{CaptureError, FrameFormat, Health, Layout, stamp};
 const PERIOD_NS: u64 = 33_333_333;
 
 /// A file or pipe of JPEG pictures one after the other. Times are those of the recording, in a
-/// comment of each picture; without, frames are a thirtieth of a second apart.
+/// comment of each picture; without, frames are a thirtieth of a second apart. The first picture
+/// tells the range of colours.
 ///
 /// What stands between two pictures is passed over. A picture that is cut off, whose data are
 /// damaged, or that is not of the first one's size is counted as corrupt and costs itself alone.
 pub struct Mjpeg {
     path: PathBuf,
     name: String,
-    scanner: Scanner<File>,
+    scanner: Scanner<Input>,
     format: FrameFormat,
     data: Vec<u8>,
     /// Whether `data` is the first picture, read on opening and not handed out yet.
@@ -44,11 +45,19 @@ impl Mjpeg {
     /// [`CaptureError::File`] if there is no sound JPEG picture; [`CaptureError::Io`] or
     /// [`CaptureError::NoDevice`] if it cannot be read.
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
-        let file = File::open(path).map_err(|e| CaptureError::io(path, e))?;
-        let mut scanner = Scanner::new(file);
+        Self::read_from(Input::open(path)?)
+    }
+
+    /// Reads up to the first sound picture.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub(crate) fn read_from(input: Input) -> Result<Self, CaptureError> {
+        let (path, name) = (input.path.clone(), input.name.clone());
+        let mut scanner = Scanner::new(input);
         let mut recorded = Recorded::default();
         loop {
-            let found = scanner.next().map_err(|e| CaptureError::io(path, e))?;
+            let found = scanner.next().map_err(|e| CaptureError::io(&path, e))?;
             match found {
                 Found::Picture(picture) => {
                     let Ok(info) = check_jpeg(picture) else {
@@ -56,11 +65,15 @@ impl Mjpeg {
                         continue;
                     };
                     let data = picture.to_vec();
+                    let format = FrameFormat {
+                        full_range: !jpeg::is_limited_range(&data),
+                        ..FrameFormat::packed(Layout::Mjpeg, info.size_px)
+                    };
                     return Ok(Self {
-                        path: path.to_owned(),
-                        name: path.display().to_string(),
+                        path,
+                        name,
                         scanner,
-                        format: FrameFormat::packed(Layout::Mjpeg, info.size_px),
+                        format,
                         data,
                         is_first: true,
                         recorded,
@@ -69,7 +82,7 @@ impl Mjpeg {
                 Found::Damaged(part) => recorded.damaged(stamp_of(part)),
                 Found::End => {
                     return Err(CaptureError::File {
-                        path: path.to_owned(),
+                        path,
                         why: "not a motion JPEG file: there is no whole JPEG picture in it"
                             .to_owned(),
                     });

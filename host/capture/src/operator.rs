@@ -19,7 +19,6 @@ use crate::{
 /// Columns of the file of marks.
 const MARKS_HEADER: &str = "time_utc,left_time_ns,left_sequence,right_time_ns,right_sequence,\
                             event,name\n";
-const SIDES: [&str; 2] = ["left", "right"];
 
 /// Answers requests with the frames at hand. All files go into one folder, which is made when first
 /// needed; `marks.csv` there has a line for everything that was asked for, with the time.
@@ -57,7 +56,8 @@ pub struct Recorded {
     pub name: String,
     /// Frames of each eye that are on the disk.
     pub frames: u64,
-    /// Moments at which an eye gave no frame; the other's was left out.
+    /// Moments at which an eye gave no frame, or one that cannot be decoded; the other's was left
+    /// out.
     pub left_out: u64,
     /// Frames that did not reach the disk.
     pub lost: u64,
@@ -328,19 +328,11 @@ impl Operator {
 
 impl Recording {
     fn write(&mut self, moment: &Moment<'_>) -> Result<(), String> {
-        // Frame n of both eyes was taken together: without one, neither is kept.
-        let eyes = || self.recorders.iter().zip(moment.eyes);
-        if eyes().any(|(recorder, frame)| recorder.is_some() && frame.is_none()) {
+        let written = Recorder::write_shot(&mut self.recorders, &moment.eyes);
+        if written.map_err(|error| error.to_string())? {
+            self.given += 1;
+        } else {
             self.left_out += 1;
-            return Ok(());
-        }
-        self.given += 1;
-        for ((recorder, frame), side) in self.recorders.iter_mut().zip(moment.eyes).zip(SIDES) {
-            if let (Some(recorder), Some(frame)) = (recorder, frame)
-                && !recorder.write(&frame).map_err(|error| error.to_string())?
-            {
-                return Err(format!("a frame of the {side} eye cannot be decoded"));
-            }
         }
         Ok(())
     }

@@ -3,12 +3,17 @@
 use image::codecs::jpeg::JpegEncoder;
 use std::fs::OpenOptions;
 use std::io::{Cursor, Write};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread;
+use tectum_bake::Format;
 use y4m::Colorspace;
 
 use crate::convert::{to_core, to_rgb8};
 use crate::writer::Writer;
-use crate::{CaptureError, Frame, FrameFormat, Layout, MIN_FREE_BYTES, check_free, mjpeg, stamp};
+use crate::{
+    CaptureError, Frame, FrameFormat, Layout, MIN_FREE_BYTES, Shot, check_free, mjpeg, stamp,
+};
 
 /// Quality of frames that the camera did not compress itself, of 100.
 const JPEG_QUALITY: u8 = 92;
@@ -145,20 +150,62 @@ impl Recorder {
     /// # Errors
     /// [`CaptureError::DiskFull`] when room runs out, [`CaptureError::Io`] otherwise.
     pub fn write(&mut self, frame: &Frame<'_>) -> Result<bool, CaptureError> {
+        let is_sound = self.encode(frame);
+        if is_sound {
+            self.keep()?;
+        }
+        Ok(is_sound)
+    }
+
+    /// Writes the frames of one moment, left and right, each to the recorder of its eye where there
+    /// is one: both or, if one of them is missing or cannot be decoded, none, so that frame n of
+    /// both eyes was taken at one moment. They are encoded beside each other. Whether they were
+    /// written.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_shot(
+        recorders: &mut [Option<Self>; 2],
+        shot: &Shot<'_>,
+    ) -> Result<bool, CaptureError> {
+        let [left, right] = recorders;
+        let encode = |recorder: &mut Option<Self>, frame: Option<Frame<'_>>| match (recorder, frame)
+        {
+            (Some(recorder), Some(frame)) => recorder.encode(&frame),
+            (Some(_), None) => false,
+            (None, _) => true,
+        };
+        let are_sound = thread::scope(|scope| {
+            let left = scope.spawn(|| encode(left, shot[0]));
+            let right = encode(right, shot[1]);
+            left.join().unwrap_or_else(|panic| resume_unwind(panic)) && right
+        });
+        if are_sound {
+            for recorder in recorders.iter_mut().flatten() {
+                recorder.keep()?;
+            }
+        }
+        Ok(are_sound)
+    }
+
+    /// Makes the bytes of a frame; `false` if it cannot be decoded.
+    fn encode(&mut self, frame: &Frame<'_>) -> bool {
         self.piece.clear();
-        let sound = match self.kind {
+        let done = match self.kind {
             VideoKind::Y4m => self.append_y4m(frame),
             VideoKind::Mjpeg => self.append_jpeg(frame),
         };
-        if sound.is_none() {
-            return Ok(false);
-        }
+        done.is_some()
+    }
+
+    /// Hands over what was encoded.
+    fn keep(&mut self) -> Result<(), CaptureError> {
         let bytes = self.piece.len() as u64;
         self.flush()?;
         self.header_written = true;
         self.frames += 1;
         self.bytes += bytes;
-        Ok(true)
+        Ok(())
     }
 
     fn flush(&mut self) -> Result<(), CaptureError> {
@@ -292,6 +339,11 @@ fn planes(frame: &Frame<'_>, scratch: &mut Vec<u8>) -> Option<(Colorspace, [Vec<
             let chroma = rows(width, chroma, height.div_ceil(2));
             let [u, v] = [0, 1].map(|start| every(&chroma, start, 2));
             (Colorspace::C420jpeg, [rows(width, luma, height), u, v])
+        }
+        Layout::Mjpeg if frame.format.core_format() == Format::Yuyv => {
+            let (yuyv, _) = to_core(frame, scratch).ok()?;
+            let planes = [(0, 2), (1, 4), (3, 4)].map(|(start, step)| every(yuyv, start, step));
+            (Colorspace::C422, planes)
         }
         Layout::Rgb565 | Layout::Rgb565Be | Layout::Rgb24 | Layout::Mjpeg | Layout::Bayer(_) => {
             // Through the checks of the conversion; then luma and chroma for each pixel.

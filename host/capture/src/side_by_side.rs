@@ -1,6 +1,7 @@
 //! One picture that holds both eyes side by side.
 
 use crate::convert::{NotDecodable, to_rgb8};
+use crate::jpeg::to_yuyv;
 use crate::{CaptureError, Frame, FrameFormat, Layout};
 
 /// Format of each half of pictures of this format.
@@ -23,6 +24,11 @@ pub fn half_format(name: &str, whole: FrameFormat) -> Result<FrameFormat, Captur
     }
     let size_px = [width / 2, height];
     Ok(match whole.layout {
+        // Both halves have pairs of pixels.
+        Layout::Mjpeg if width % 4 == 0 => FrameFormat {
+            full_range: whole.full_range,
+            ..FrameFormat::packed(Layout::Yuyv, size_px)
+        },
         Layout::Mjpeg => FrameFormat::packed(Layout::Rgb24, size_px),
         _ => FrameFormat { size_px, ..whole },
     })
@@ -40,7 +46,11 @@ pub fn halves<'a>(
 ) -> Result<[Frame<'a>; 2], NotDecodable> {
     let width = usize::from(half.size_px[0]);
     let (data, format) = if frame.format.layout == Layout::Mjpeg {
-        *scratch = to_rgb8(frame)?;
+        if half.layout == Layout::Yuyv {
+            *scratch = to_yuyv(frame.data, frame.format.size_px)?;
+        } else {
+            *scratch = to_rgb8(frame)?;
+        }
         let stride_bytes = 2 * half.stride_bytes;
         let format = FrameFormat {
             stride_bytes,

@@ -22,6 +22,8 @@ const POLLIN: i16 = 1;
 /// `PROT_READ` and `MAP_SHARED` of <sys/mman.h>, the same on every Linux.
 const PROT_READ: i32 = 1;
 const MAP_SHARED: i32 = 1;
+/// `V4L2_FIELD_NONE` of <linux/videodev2.h>: whole frames, not interlaced.
+pub(super) const FIELD_NONE: u32 = 1;
 /// `VIDEO_MAX_PLANES` of <linux/videodev2.h>.
 const MAX_PLANES: usize = 8;
 /// Formats that a driver may list; more are a driver that never ends its list.
@@ -116,6 +118,7 @@ impl Driver {
                 width,
                 height,
                 pixelformat: code,
+                field: FIELD_NONE,
                 // SAFETY: all zeros is a value of this structure of numbers.
                 ..unsafe { zeroed() }
             };
@@ -126,6 +129,7 @@ impl Driver {
                 width,
                 height,
                 pixelformat: code,
+                field: FIELD_NONE,
                 // SAFETY: as above.
                 ..unsafe { zeroed() }
             };

@@ -11,13 +11,12 @@ use v4l::framesize::FrameSizeEnum;
 use v4l::video::Capture;
 use v4l::{Device, FourCC};
 
-use super::driver::{Driver, PictureFormat};
+use super::driver::{Driver, FIELD_NONE, PictureFormat};
 use super::failure;
 use crate::{CaptureError, FrameFormat, Layout};
 
-/// `V4L2_FIELD_ANY` and `V4L2_FIELD_NONE` of <linux/videodev2.h>: not interlaced.
+/// `V4L2_FIELD_ANY` of <linux/videodev2.h>: the driver does not say.
 const FIELD_ANY: u32 = 0;
-const FIELD_NONE: u32 = 1;
 /// `V4L2_QUANTIZATION_*`.
 const QUANTIZATION_FULL: u32 = 1;
 const QUANTIZATION_LIMITED: u32 = 2;
@@ -55,6 +54,8 @@ struct Opened {
     /// Layouts that are both offered and known, in the order of [`Layout::ALL`], with the driver's
     /// code for each.
     offered: Vec<(Layout, [u8; 4])>,
+    /// The driver's codes of all formats.
+    formats: Vec<[u8; 4]>,
 }
 
 impl Opened {
@@ -96,6 +97,7 @@ impl Opened {
         });
         Ok(Self {
             offered: offered.collect(),
+            formats,
             device,
             driver,
             product: caps.card,
@@ -155,6 +157,19 @@ impl Opened {
         };
         let is_close = period_ns.is_some_and(|ns| is_close(1e9 / ns as f64, hz));
         Ok(is_close.then_some((set, period_ns)))
+    }
+
+    /// What it gives, where that is no layout that is known.
+    fn unknown(&self) -> String {
+        let codes: Vec<String> = (self.formats.iter())
+            .map(|code| code.escape_ascii().to_string())
+            .collect();
+        let codes = if codes.is_empty() {
+            "no pixel format".to_owned()
+        } else {
+            codes.join(", ")
+        };
+        format!("{codes} where needed is {}", known_layouts())
     }
 
     /// A line for each layout with its sizes and their rates.
@@ -253,10 +268,14 @@ pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError>
     let suits = |layout: Layout| wanted.layout.is_none_or(|asked| asked == layout);
     let candidates: Vec<_> = opened.offered.iter().filter(|(l, _)| suits(*l)).collect();
     if candidates.is_empty() {
-        return Err(refuse(match wanted.layout {
-            Some(layout) => format!("pixel format {layout}"),
-            None => format!("any pixel format that tectum reads ({})", known_layouts()),
-        }));
+        return Err(match wanted.layout {
+            Some(layout) if !opened.offered.is_empty() => refuse(format!("pixel format {layout}")),
+            _ => CaptureError::Unreadable {
+                name: path.display().to_string(),
+                what: opened.unknown(),
+                filter: "",
+            },
+        });
     }
     for &&(layout, code) in &candidates {
         let agreed = opened.agree(path, code, size_px, wanted.rate_hz)?;
@@ -264,7 +283,11 @@ pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError>
             continue;
         };
         if ![FIELD_ANY, FIELD_NONE].contains(&set.field) {
-            return Err(refuse("whole frames: what it gives is interlaced".into()));
+            return Err(CaptureError::Unreadable {
+                name: path.display().to_string(),
+                what: "interlaced pictures, each of two moments line by line".to_owned(),
+                filter: "-vf yadif ",
+            });
         }
         let side =
             |px: u32| u16::try_from(px).map_err(|_| refuse("a picture below 65536 px".into()));
@@ -306,13 +329,13 @@ fn known_layouts() -> String {
 
 /// What the driver says of its range. Where it says nothing, Video4Linux has a rule for luma with
 /// chroma; brightness alone, or one colour for each pixel, comes straight from the sensor (and from the
-/// kernel's own vivid) in full range.
+/// kernel's own vivid) in full range, and JPEG pictures are of full range (JFIF, ITU-T T.871).
 fn is_full_range(format: &PictureFormat, layout: Layout) -> bool {
     match format.quantization {
         QUANTIZATION_FULL => true,
         QUANTIZATION_LIMITED => false,
         _ => {
-            matches!(layout, Layout::Grey | Layout::Bayer(_))
+            matches!(layout, Layout::Grey | Layout::Bayer(_) | Layout::Mjpeg)
                 || format.colorspace == COLORSPACE_JPEG
         }
     }
@@ -325,7 +348,7 @@ pub(super) fn description(path: &Path) -> Result<(String, String), CaptureError>
     if offered.is_empty() {
         return Err(failure::not_capture(
             path,
-            &format!("it offers none of {}", known_layouts()),
+            &format!("it gives {}", opened.unknown()),
         ));
     }
     Ok((opened.product, offered))

@@ -6,7 +6,7 @@ mod scanner;
 mod sound;
 mod tables;
 
-pub(crate) use decode::to_rgb8;
+pub(crate) use decode::{to_rgb8, to_yuyv};
 pub(crate) use scanner::{Found, Scanner};
 pub use sound::{JpegDamage, JpegInfo, check_jpeg};
 use tables::with_standard_tables;
@@ -49,4 +49,20 @@ pub(crate) fn first_comment(jpeg: &[u8]) -> Option<&[u8]> {
     let rest = jpeg.strip_prefix(&[0xff, marker::SOI, 0xff, marker::COM])?;
     let (length, rest) = rest.split_first_chunk::<2>()?;
     rest.get(..usize::from(u16::from_be_bytes(*length)).checked_sub(2)?)
+}
+
+/// Whether a picture says that it is of the limited range of video, as ffmpeg has it in a comment
+/// among its headers.
+pub(crate) fn is_limited_range(jpeg: &[u8]) -> bool {
+    let mut at = 2;
+    while let Some(&[0xff, kind, high, low]) = jpeg.get(at..at + 4) {
+        let length = usize::from(u16::from_be_bytes([high, low]));
+        let body = jpeg.get(at + 4..at + 2 + length).unwrap_or_default();
+        match kind {
+            marker::SOS => return false,
+            marker::COM if body.starts_with(b"CS=ITU601") => return true,
+            _ => at += 2 + length,
+        }
+    }
+    false
 }

@@ -106,7 +106,9 @@ impl Picture {
     }
 
     fn encode(&self, quality: Quality) -> Option<Bytes> {
-        if self.format.layout == Layout::Mjpeg && quality != Quality::Low {
+        // Browsers take every JPEG picture to be of full range.
+        let is_ready = self.format.layout == Layout::Mjpeg && self.format.full_range;
+        if is_ready && quality != Quality::Low {
             return Some(self.data.clone().into());
         }
         let mut rgb = self.rgb()?;

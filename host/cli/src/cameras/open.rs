@@ -1,12 +1,15 @@
 //! From what is named on the command line to frames.
 
-use std::os::unix::fs::FileTypeExt;
+use std::os::unix::fs::{FileTypeExt, MetadataExt};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use clap::ValueEnum;
 use tectum_calibrate::session::{list, pair_by_name};
 use tectum_capture::{
-    CaptureError, FrameSource, Late, Layout, Mjpeg, Pairs, Pictures, VideoKind, Y4m,
+    CaptureError, FrameSource, Late, Layout, Pairs, Pictures, VideoKind, conversion_advice,
+    open_video,
 };
 
 use super::feed::SideBySide;
@@ -87,6 +90,14 @@ pub fn open(
     all: bool,
 ) -> anyhow::Result<Feed> {
     let size_px = options.frame_size.map(|size| size.0).or(size_px);
+    if let (Some(left), Some(right)) = (left.and_then(pipe), right.and_then(pipe))
+        && left == right
+    {
+        let usage = "left and right are the same pipe, which gives one eye's frames: give the other \
+                     as a file, a camera or another pipe; --side-by-side if both eyes are in one \
+                     picture";
+        return Err(Usage(usage.into()).into());
+    }
     if let Some(path) = &options.side_by_side {
         let whole_px = size_px.map(|[width, height]| [width.saturating_mul(2), height]);
         let source = one_locked(path, options, whole_px)?;
@@ -167,21 +178,42 @@ fn one(
     if is_device(path) {
         return camera(path, options, size_px);
     }
-    Ok(Opened::File(match VideoKind::of(path) {
-        Some(VideoKind::Y4m) => Box::new(Y4m::open(path)?),
-        Some(VideoKind::Mjpeg) => Box::new(Mjpeg::open(path)?),
-        None if is_other_video(path) => {
-            return Err(CaptureError::File {
-                path: path.to_owned(),
-                why: format!(
-                    "videos are read as .y4m or .mjpeg: convert it with `ffmpeg -i {} {}`",
-                    path.display(),
-                    path.with_extension("y4m").display()
-                ),
-            });
-        }
-        None => Box::new(Pictures::open(path)?),
-    }))
+    if is_video(path) {
+        return Ok(Opened::File(open_video(path)?));
+    }
+    if is_other_video(path) {
+        return Err(CaptureError::File {
+            path: path.to_owned(),
+            why: conversion_advice(path),
+        });
+    }
+    Ok(Opened::File(Box::new(Pictures::open(path)?)))
+}
+
+/// What holds frames one after the other: by its name, or a pipe.
+fn is_video(path: &Path) -> bool {
+    VideoKind::of(path).is_some() || pipe(path).is_some()
+}
+
+/// Whether a name is that of the standard input.
+pub fn is_standard_input(path: &Path) -> bool {
+    let names = ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"];
+    names.iter().any(|name| path == Path::new(name))
+}
+
+/// Device and number of a named pipe or of the standard input.
+fn pipe(path: &Path) -> Option<[u64; 2]> {
+    let is_standard_input = is_standard_input(path);
+    let data = if is_standard_input {
+        Path::new("/dev/stdin").metadata()
+    } else {
+        path.metadata()
+    };
+    let identity = data.map(|data| (data.file_type().is_fifo(), [data.dev(), data.ino()]));
+    match identity {
+        Ok((is_fifo, identity)) => (is_fifo || is_standard_input).then_some(identity),
+        Err(_) => is_standard_input.then_some([0; 2]),
+    }
 }
 
 /// A video in another container or coding, by the ending of its name.
@@ -194,10 +226,12 @@ fn is_other_video(path: &Path) -> bool {
     known.contains(&&*ending.to_ascii_lowercase())
 }
 
-/// A device node, or the name of one that may come.
+/// A device node, or the name of one that may come. Pipes and files have names in `/dev`, too.
 fn is_device(path: &Path) -> bool {
-    let kind = path.metadata().map(|data| data.file_type());
-    path.starts_with("/dev") || kind.is_ok_and(|kind| kind.is_char_device())
+    match path.metadata() {
+        Ok(data) => data.file_type().is_char_device(),
+        Err(_) => path.starts_with("/dev"),
+    }
 }
 
 #[cfg(not(feature = "v4l2"))]
@@ -234,7 +268,21 @@ fn both(
     if is_device(left) && node(left) == node(right) {
         return Err(CaptureError::SameCamera(left.display().to_string()));
     }
-    let opened = [one(left, options, size_px)?, one(right, options, size_px)?];
+    let opened = if [left, right].iter().any(|path| is_device(path)) {
+        [one(left, options, size_px)?, one(right, options, size_px)?]
+    } else {
+        // Both at once: one program may write two pipes, and begins when both are open.
+        let opened = thread::scope(|scope| {
+            let left = scope.spawn(|| one(left, options, size_px));
+            let right = one(right, options, size_px);
+            [
+                left.join().unwrap_or_else(|panic| resume_unwind(panic)),
+                right,
+            ]
+        });
+        let [left, right] = opened;
+        [left?, right?]
+    };
     #[cfg(feature = "v4l2")]
     let opened = alike(opened, options)?;
     Ok(opened.map(Opened::boxed))

@@ -1,15 +1,15 @@
 //! Pairs of frames through the core, one after the other, to a video and to the preview.
 
+use std::net::SocketAddr;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
-use serde_json::json;
 use tectum_capture::{CaptureError, Frame, LiveStitcher, Pair, Recorder};
 use tectum_core::{Eye, Sampler, Tables};
 
-use super::{Feed, Limits, LiveScales, ViewArgs, Watch, showing, stop_on_interrupt, viewing};
+use super::{Feed, Limits, LiveScales, Watch, showing, stop_on_interrupt, viewing};
 use crate::files;
 use crate::report::{Report, path_json};
 
@@ -29,23 +29,32 @@ pub fn source_size_px(tables: &Tables<'_>) -> anyhow::Result<[u16; 2]> {
     }
 }
 
+/// A preview beside the work.
+pub struct Page<'a> {
+    /// Where to serve it, if at all.
+    pub address: Option<SocketAddr>,
+    /// Where what it asks for is saved.
+    pub folder: &'a Path,
+}
+
 /// Stitches until the feed ends or a limit is reached.
 pub fn run(
     feed: &mut Feed,
     tables: &'static Tables<'static>,
     sampler: Sampler,
-    mut recorder: Option<Recorder>,
+    mut recorder: Recorder,
     scales: Option<LiveScales<'_>>,
-    (limits, view): (&Limits, &ViewArgs),
+    (limits, page): (&Limits, Page<'_>),
 ) -> anyhow::Result<Report> {
     viewing::check_size(feed, source_size_px(tables)?)?;
     let given = feed.format();
     let has_time = feed.has_time();
     let stop = stop_on_interrupt(limits)?;
-    let preview = view
-        .view
-        .map(|address| showing::serve(address, feed, Some(tables), false));
+    let preview = (page.address).map(|address| showing::serve(address, feed, Some(tables), true));
     let mut watch = Watch::new(feed, preview.transpose()?);
+    if page.address.is_some() {
+        watch = watch.with_operator(showing::operator(page.folder, feed));
+    }
     let mut stitcher = LiveStitcher::new(tables, sampler);
     let out_format = stitcher.output_format(given);
     let mut undecodable = 0_u64;
@@ -61,22 +70,20 @@ pub fn run(
         if let Some(scales) = &scales {
             let since = statistics.first_left_ns.unwrap_or(left.time_ns);
             let since_ns = left.time_ns.wrapping_sub(since);
-            let layout = out_format.layout.core_format();
+            let layout = out_format.core_format();
             scales.draw((since_ns, has_time), layout, stitched)?;
         }
         let stitched = &*stitched;
-        if let Some(recorder) = &mut recorder {
-            recorder.write(&Frame {
-                data: stitched,
-                format: out_format,
-                ..left
-            })?;
-        }
+        recorder.write(&Frame {
+            data: stitched,
+            format: out_format,
+            ..left
+        })?;
         watch.shot(shot, Some((stitched, out_format)), begun, statistics);
         Ok(limits.flow(watch.shots(), watch.start()))
     });
-    if let Some(recorder) = &mut recorder
-        && let Err(error) = recorder.finish()
+    watch.end_recording();
+    if let Err(error) = recorder.finish()
         && done.is_ok()
     {
         done = Err(error.into());
@@ -86,20 +93,11 @@ pub fn run(
     {
         return Err(error).with_context(|| format!("after {} frames", watch.shots()));
     }
-    if watch.shots() == 0 && undecodable > 0 {
-        bail!("no frame was stitched\n{}", watch.text());
-    }
+    watch.leave_out(undecodable);
     watch.end(feed)?;
-    let mut text = watch.text();
+    let text = format!("{}\n{}", recorder.path().display(), watch.text());
     let mut json = watch.json();
-    if undecodable > 0 {
-        text += &format!("\n{undecodable} pairs could not be decoded");
-    }
-    json["undecodable"] = json!(undecodable);
-    if let Some(recorder) = &recorder {
-        text = format!("{}\n{text}", recorder.path().display());
-        json["video"] = path_json(recorder.path());
-    }
+    json["video"] = path_json(recorder.path());
     Ok(Report::new(text, json))
 }
 

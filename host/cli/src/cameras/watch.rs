@@ -69,6 +69,8 @@ pub struct Watch {
     shots: u64,
     work: Times,
     latency: Times,
+    /// Shots that were left out, because a frame of them cannot be decoded.
+    undecodable: u64,
     statistics: PairStatistics,
     /// Since the last line.
     lately: (Instant, u64, Times),
@@ -96,6 +98,7 @@ impl Watch {
             progress,
             start: Instant::now(),
             shots: 0,
+            undecodable: 0,
             work: Times::default(),
             latency: Times::default(),
             statistics: PairStatistics::default(),
@@ -158,6 +161,11 @@ impl Watch {
         Err(CaptureError::no_frames(
             eyes.map(|(name, health)| (&**name, &**health)),
         ))
+    }
+
+    /// So many shots were left out, because a frame of them cannot be decoded.
+    pub fn leave_out(&mut self, shots: u64) {
+        self.undecodable = shots;
     }
 
     /// Shots so far.
@@ -345,6 +353,10 @@ impl Watch {
                 text += &format!(", its clock jumped {} times", counts.clock_jumps);
             }
         }
+        if self.undecodable > 0 {
+            let count = self.undecodable;
+            text += &format!("\n{count} left out, as a frame of them could not be decoded");
+        }
         for recorded in self.recorded() {
             text += &format!("\n{recorded}");
         }
@@ -384,6 +396,7 @@ impl Watch {
             "left": eye(&self.eyes[0]),
             "right": eye(&self.eyes[1]),
             "recordings": recordings,
+            "undecodable": self.undecodable,
         })
     }
 }

@@ -4,7 +4,9 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use crate::cameras::viewing::{self, AtEnd, Viewing};
-use crate::cameras::{Attitudes, CameraOptions, Limits, demo_table, open, streaming};
+use crate::cameras::{
+    Attitudes, CameraOptions, Limits, demo_table, is_standard_input, open, streaming,
+};
 use crate::files;
 use crate::report::{Report, Usage};
 
@@ -24,7 +26,8 @@ use crate::report::{Report, Usage};
 pub struct Args {
     /// Table; without, the eyes are shown alone. The demo has its own
     table: Option<PathBuf>,
-    /// Left eye: a camera (best by its name in /dev/v4l/by-id), a recording, a folder of pictures
+    /// Left eye: a camera (best by its name in /dev/v4l/by-id), a recording, a folder of pictures,
+    /// or - for a video (y4m, motion JPEG) on the standard input
     #[arg(long, value_name = "A")]
     left: Option<PathBuf>,
     /// Right eye; one eye alone will do
@@ -63,6 +66,16 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
                 .into(),
         )
         .into());
+    }
+    let eyes = [&args.left, &args.right, &args.cameras.side_by_side];
+    if args.at_end == AtEnd::Loop
+        && eyes
+            .into_iter()
+            .flatten()
+            .any(|path| is_standard_input(path))
+    {
+        let usage = "the standard input cannot begin again: leave out --at-end loop";
+        return Err(Usage(usage.into()).into());
     }
     let keep = |(bytes, name): (Vec<u8>, PathBuf)| streaming::keep(bytes, &name);
     let tables = bytes.map(keep).transpose()?;

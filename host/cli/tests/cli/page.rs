@@ -261,3 +261,73 @@ fn a_recording_without_a_frame_is_an_error() {
     let message = bench.refused(1, "view --left empty.y4m --address 127.0.0.1:0");
     assert!(message.contains("no frame came"), "{message}");
 }
+
+/// Asks the page for a change, as whoever has the token does; the whole answer.
+fn ask(url: &str, path: &str) -> String {
+    let (page, token) = url.split_once("#token=").expect("a token");
+    let address = page.trim_start_matches("http://").trim_end_matches('/');
+    let mut stream = TcpStream::connect(address).expect("it serves");
+    write!(
+        stream,
+        "POST {path} HTTP/1.1\r\nHost: {address}\r\nX-Tectum-Token: {token}\r\n\
+         Content-Length: 0\r\nConnection: close\r\n\r\n"
+    )
+    .expect("it listens");
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).expect("it answers");
+    answer
+}
+
+#[test]
+fn the_page_beside_stitching_saves_records_and_marks() {
+    let bench = Bench::with_table();
+    let mut process = bench
+        .command(env!("CARGO_BIN_EXE_tectum"))
+        .args("stitch fish.tct --live --source demo -o out.y4m --view-folder kept".split(' '))
+        .args(["--view", "127.0.0.1:0"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let stderr = BufReader::new(process.stderr.take().expect("stderr"));
+    let mut lines = stderr.lines().map_while(Result::ok);
+    let url = lines.find_map(|line| line.strip_prefix("preview: ").map(str::to_owned));
+    let url = url.expect("it says where the preview is");
+    let reader = std::thread::spawn(move || lines.count());
+    for path in ["/record?on=1", "/mark?name=here", "/snapshot"] {
+        let answer = ask(&url, path);
+        assert!(answer.starts_with("HTTP/1.1 200"), "{path}: {answer}");
+    }
+    let told = std::process::Command::new("kill")
+        .arg(process.id().to_string())
+        .status();
+    assert!(told.is_ok_and(|status| status.success()));
+    assert!(process.wait().expect("it ends").success());
+    reader.join().expect("what it said");
+    let kept = fs::read_dir(bench.path("kept")).expect("a folder");
+    let names: Vec<_> = kept
+        .map(|file| file.unwrap().file_name().into_string().unwrap())
+        .collect();
+    for ending in [
+        "-left.y4m",
+        "-right.y4m",
+        ".json",
+        "-left.png",
+        "-right.png",
+        "-stitched.png",
+        "marks.csv",
+    ] {
+        assert!(
+            names.iter().any(|name| name.ends_with(ending)),
+            "no {ending} in {names:?}"
+        );
+    }
+    assert!(
+        !names.iter().any(|name| name.ends_with(".part")),
+        "{names:?}"
+    );
+    let marks = fs::read_to_string(bench.path("kept/marks.csv")).unwrap();
+    assert!(marks.contains("\"here\""), "{marks}");
+    let video = fs::metadata(bench.path("out.y4m")).unwrap();
+    assert!(video.len() > 160 * 80 * 2);
+}

@@ -1,10 +1,11 @@
 //! `cargo xtask cameras`: the built program with virtual cameras of the Linux kernel (vivid), in an
-//! emulated machine.
+//! emulated machine, and with a driver of our own, on this one.
 
 mod frames;
 mod image;
 mod judge;
 mod machine;
+mod preloaded;
 
 use anyhow::bail;
 use xtask::packages::{self, CAMERA_BUILD, CAMERA_MACHINE};
@@ -17,12 +18,20 @@ pub fn run() -> anyhow::Result<Outcome> {
             "the emulated machine is an x86-64".to_owned(),
         ));
     }
-    for needs in [CAMERA_BUILD, CAMERA_MACHINE] {
-        if !packages::are_there(needs) {
-            return Ok(Outcome::Skipped(packages::advice(needs)));
-        }
+    if !packages::are_there(CAMERA_BUILD) {
+        return Ok(Outcome::Skipped(packages::advice(CAMERA_BUILD)));
     }
     let folder = target_dir("cameras");
+    let program = target_dir("debug").join("tectum");
+    if !program.exists() {
+        bail!("{} is not built", program.display());
+    }
+    if !preloaded::check(&folder, &program)? {
+        println!("  there is no C compiler for the driver of our own: left out");
+    }
+    if !packages::are_there(CAMERA_MACHINE) {
+        return Ok(Outcome::Skipped(packages::advice(CAMERA_MACHINE)));
+    }
     let kernel = match image::kernel(&folder) {
         Ok(kernel) => kernel,
         Err(error) => {
@@ -30,10 +39,6 @@ pub fn run() -> anyhow::Result<Outcome> {
             return Ok(Outcome::Skipped(why));
         }
     };
-    let program = target_dir("debug").join("tectum");
-    if !program.exists() {
-        bail!("{} is not built", program.display());
-    }
     let frames = frames::prepare(&folder)?;
     let initramfs = image::initramfs(&folder, &kernel, &program, &frames)?;
     let said = machine::boot(&kernel.file, &initramfs)?;

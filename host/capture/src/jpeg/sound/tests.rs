@@ -76,8 +76,8 @@ fn tables_may_be_left_out() {
     let info = check_jpeg(&bare).unwrap();
     assert!(info.lacks_tables);
     assert_eq!(
-        decode::to_rgb8(&bare, SIZE_PX).unwrap(),
-        decode::to_rgb8(&jpeg, SIZE_PX).unwrap()
+        decode::to_rgb8(&bare, SIZE_PX, true).unwrap(),
+        decode::to_rgb8(&jpeg, SIZE_PX, true).unwrap()
     );
 }
 
@@ -98,7 +98,7 @@ proptest! {
         let at = at % flipped.len();
         flipped[at] ^= 1 << (cut % 8);
         if let Ok(info) = check_jpeg(&flipped) {
-            let _ = decode::to_rgb8(&flipped, info.size_px);
+            let _ = decode::to_rgb8(&flipped, info.size_px, true);
         }
     }
 }

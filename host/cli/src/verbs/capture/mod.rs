@@ -30,7 +30,8 @@ pub struct Args {
     /// List the cameras that are plugged in
     #[arg(long, exclusive = true)]
     list: bool,
-    /// Left eye: a camera (best by its name in /dev/v4l/by-id), a recording, a folder of pictures
+    /// Left eye: a camera (best by its name in /dev/v4l/by-id), a recording, a folder of pictures,
+    /// or - for a video (y4m, motion JPEG) on the standard input
     #[arg(long, value_name = "A")]
     left: Option<PathBuf>,
     /// Right eye; one eye alone will do

@@ -1,5 +1,6 @@
 //! Every frame of both eyes to a video of each.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -34,12 +35,12 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
     let preview = view.map(|address| showing::serve(address, feed, None, true));
     let operator = Operator::new(folder, feed.rate(), true);
     let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
+    let mut undecodable = 0_u64;
     let done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
-        for (recorder, frame) in recorders.iter_mut().zip(shot) {
-            if let (Some(recorder), Some(frame)) = (recorder, frame) {
-                recorder.write(frame)?;
-            }
+        if !Recorder::write_shot(&mut recorders, shot)? {
+            undecodable += 1;
+            return Ok(ControlFlow::Continue(()));
         }
         if watch.shots() == 0 {
             files::write(&about, description.as_bytes())?;
@@ -52,6 +53,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
         recorder.finish()?;
     }
     done.with_context(|| format!("after {} frames", watch.shots()))?;
+    watch.leave_out(undecodable);
     watch.end(feed)?;
     let mut json = watch.json();
     json["description"] = path_json(&about);

@@ -54,7 +54,14 @@ pub fn run(
         if let Verdict::Keep(eyes) = verdict {
             for (i, eye) in ["left", "right"].into_iter().enumerate() {
                 if let (Some(frame), true) = (&shot[i], eyes[i]) {
-                    save(frame, &folder.join(eye).join(format!("{number:04}.png")))?;
+                    let Ok(rgb) = to_rgb8(frame) else {
+                        continue;
+                    };
+                    save(
+                        frame,
+                        rgb,
+                        &folder.join(eye).join(format!("{number:04}.png")),
+                    )?;
                     kept[i] += 1;
                 }
             }

@@ -1,5 +1,6 @@
 //! Every frame as a picture file.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -18,17 +19,28 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path) -> anyhow::Result<Report
     let operator = Operator::new(folder, feed.rate(), true);
     let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
     let mut number = next_number(folder);
+    let mut undecodable = 0_u64;
     feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
-        for (frame, eye) in shot.iter().zip(["left", "right"]) {
-            if let Some(frame) = frame {
-                save(frame, &folder.join(eye).join(format!("{number:04}.png")))?;
+        let pictures = shot.map(|frame| frame.as_ref().map(to_rgb8));
+        if pictures.iter().flatten().any(Result::is_err) {
+            undecodable += 1;
+            return Ok(ControlFlow::Continue(()));
+        }
+        for ((frame, picture), eye) in shot.iter().zip(pictures).zip(["left", "right"]) {
+            if let (Some(frame), Some(Ok(rgb))) = (frame, picture) {
+                save(
+                    frame,
+                    rgb,
+                    &folder.join(eye).join(format!("{number:04}.png")),
+                )?;
             }
         }
         number += 1;
         watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
     })?;
+    watch.leave_out(undecodable);
     watch.end(feed)?;
     let text = format!("{}\n{}", folder.display(), watch.text());
     Ok(Report::new(text, watch.json()))
@@ -45,13 +57,9 @@ pub fn next_number(folder: &Path) -> u32 {
     numbers.max().map_or(1, |last| last + 1)
 }
 
-/// Writes a frame as PNG.
-pub fn save(frame: &Frame<'_>, path: &Path) -> anyhow::Result<()> {
+/// Writes the pixels of a frame as PNG.
+pub fn save(frame: &Frame<'_>, rgb: Vec<u8>, path: &Path) -> anyhow::Result<()> {
     check_free(path, MIN_FREE_BYTES)?;
-    let Ok(rgb) = to_rgb8(frame) else {
-        // The next shot has the next number; this one lacks an eye and is no pair.
-        return Ok(());
-    };
     let [width, height] = frame.format.size_px.map(u32::from);
     pictures::save(path, pictures::rgb(width, height, rgb)?)
 }

@@ -49,6 +49,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         Recorder::create(&args.output, kind, feed.rate())?.without_times()
     };
     let sampler = args.sampler.into();
-    let stage = (&args.limits, &args.view);
-    streaming::run(&mut feed, tables, sampler, Some(recorder), scales, stage)
+    let page = streaming::Page {
+        address: args.view.view,
+        folder: &args.view_folder,
+    };
+    let stage = (&args.limits, page);
+    streaming::run(&mut feed, tables, sampler, recorder, scales, stage)
 }

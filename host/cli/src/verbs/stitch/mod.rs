@@ -67,13 +67,23 @@ pub struct Args {
     #[arg(long)]
     one_eye_at_a_time: bool,
     /// Frame after frame: --left and --right are cameras (best by their names in /dev/v4l/by-id),
-    /// recordings (.y4m, .mjpeg) or folders of pictures; the core works in the frames' own format
+    /// recordings (.y4m, .mjpeg), pipes or folders of pictures; one may be - for a video on the
+    /// standard input. The core works in the frames' own format
     #[arg(long, conflicts_with_all = ["paper", "format"])]
     live: bool,
     #[command(flatten)]
     limits: Limits,
     #[command(flatten)]
     view: ViewArgs,
+    /// Where pictures, videos and marks that the page of --view asks for are saved; made when first
+    /// needed
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "tectum-view",
+        requires = "view"
+    )]
+    view_folder: PathBuf,
     #[command(flatten)]
     cameras: CameraOptions,
 }
