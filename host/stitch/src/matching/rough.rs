@@ -54,7 +54,7 @@ pub fn by_shots(pairings: &[&Pairing], relative: &Relative, slack: Slack) -> Vec
     let prior = Prior {
         pose: rig,
         turn_sigma_rad: slack.turn_rad / 2.0,
-        position_sigma_mm: slack.shift_mm / 2.0,
+        position_covariance_mm2: nalgebra::Matrix3::identity() * (slack.shift_mm / 2.0).powi(2),
     };
     let mut candidates = candidates(pairings, &prior);
     let order = |a: &Candidate, b: &Candidate| {

@@ -59,7 +59,7 @@ pub fn by_boards(
     let prior = Prior {
         pose: held,
         turn_sigma_rad: options.most_turn_rad / 2.0,
-        position_sigma_mm: most_shift_mm / 2.0,
+        position_covariance_mm2: Matrix3::identity() * (most_shift_mm / 2.0).powi(2),
     };
     let starts: Vec<BoardPose> = std::iter::once(held).chain(implied).collect();
     let near_rig = relative::fit(&boards, &starts, Some(&prior))?;
@@ -73,21 +73,25 @@ pub fn by_boards(
         .map(|(pose, half)| rotation_vector(&(turn * half)) * pose.rotation);
     // Where the left camera, turned by its half, has the right eye if neither eye was moved.
     let unmoved_mm = rotations[0].inverse() * (right.position_m - left.position_m) * 1000.0;
-    // Both eyes may have turned alike besides.
+    // Both eyes may have turned alike besides: that moves the baseline's end across it.
+    let along = unmoved_mm.try_normalize(1e-9).unwrap_or_default();
+    let across = Matrix3::identity() - along * along.transpose();
     let common_mm = options.common_sigma_rad * unmoved_mm.norm();
+    let common_mm2 = across * common_mm.powi(2);
     let shift = found.pose.position_mm - unmoved_mm;
     let is_near = turn.norm() <= options.most_turn_rad && shift.norm() <= most_shift_mm;
     let fits = found.total_rms_rad <= FITS_RAD;
-    if !is_near || !fits || !contradicts(&found, &shift, &unmoved_mm, common_mm) {
+    if !is_near || !fits || !contradicts(&found, &shift, &common_mm2) {
         return None;
     }
     // The sights themselves must be nearer to the boards than with the eyes where the rig has them.
+    let held_mm2 = common_mm2 + Matrix3::identity() * HELD_MM.powi(2);
     let in_place = Prior {
         pose: BoardPose {
             position_mm: unmoved_mm,
             ..held
         },
-        position_sigma_mm: common_mm.max(HELD_MM),
+        position_covariance_mm2: held_mm2,
         ..prior
     };
     let in_place = relative::fit(&boards, &starts, Some(&in_place))?;
@@ -96,8 +100,9 @@ pub fn by_boards(
         .flat_map(|board| &board.eyes)
         .flatten()
         .count();
-    let least = found.total_rms_rad * (1.0 + CONTRADICTS / numbers as f64).sqrt();
-    if in_place.total_rms_rad < least {
+    let excess = (in_place.total_rms_rad / found.total_rms_rad).powi(2) - 1.0;
+    let off = in_place.pose.position_mm - unmoved_mm;
+    if excess * numbers as f64 + off.dot(&(held_mm2.try_inverse()? * off)) < CONTRADICTS {
         return None;
     }
     let middle = (left.position_m + right.position_m) / 2.0;
@@ -122,19 +127,12 @@ pub fn relative_of_boards(rig: &Rig, ties: &[Tie]) -> Option<RelativeFit> {
     relative::fit(&boards, &implied, None)
 }
 
-/// Whether a shift of the eyes is more than the sights' scatter explains, and a turn of both eyes alike
-/// that moves the baseline's end by `common_mm` (standard deviation).
-fn contradicts(
-    found: &RelativeFit,
-    shift: &Vector3<f64>,
-    baseline_mm: &Vector3<f64>,
-    common_mm: f64,
-) -> bool {
-    let along = baseline_mm.try_normalize(1e-9).unwrap_or_default();
-    let common = (Matrix3::identity() - along * along.transpose()) * common_mm * common_mm;
+/// Whether a shift of the eyes is more than the sights' scatter explains, and what a turn of both eyes
+/// alike makes of it (covariance).
+fn contradicts(found: &RelativeFit, shift: &Vector3<f64>, common_mm2: &Matrix3<f64>) -> bool {
     let own = found
         .covariance
-        .map(|covariance| covariance.fixed_view::<3, 3>(3, 3) + common);
+        .map(|covariance| covariance.fixed_view::<3, 3>(3, 3) + common_mm2);
     let inverse = own.and_then(|own| own.try_inverse());
     inverse.is_some_and(|inverse| shift.dot(&(inverse * shift)) > CONTRADICTS)
 }
