@@ -1,8 +1,9 @@
 //! A source that is read by a thread of its own.
 
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use crate::source::{Frame, FrameSource, Next};
@@ -25,6 +26,7 @@ pub(crate) struct Ahead {
     /// Gives the memory of frames back.
     used: Sender<Vec<u8>>,
     present: Option<Owned>,
+    reader: Option<JoinHandle<()>>,
 }
 
 type Message = Result<Owned, CaptureError>;
@@ -50,9 +52,13 @@ impl Ahead {
             frames,
             used,
             present: None,
+            reader: None,
         };
-        thread::spawn(move || read(&mut source, &to, &spare));
-        ahead
+        let reader = thread::spawn(move || read(&mut source, &to, &spare));
+        Self {
+            reader: Some(reader),
+            ..ahead
+        }
     }
 }
 
@@ -95,6 +101,10 @@ impl FrameSource for Ahead {
         self.period_ns
     }
 
+    fn is_piped(&self) -> bool {
+        true
+    }
+
     fn next(&mut self) -> Result<Next<'_>, CaptureError> {
         if let Some(before) = self.present.take() {
             // The thread may have ended.
@@ -103,7 +113,13 @@ impl FrameSource for Ahead {
         let frame = match self.frames.recv_timeout(WAIT) {
             Ok(frame) => self.present.insert(frame?),
             Err(RecvTimeoutError::Timeout) => return Ok(Next::Nothing),
-            Err(RecvTimeoutError::Disconnected) => return Ok(Next::End),
+            Err(RecvTimeoutError::Disconnected) => {
+                // A thread that broke off is no end of the frames.
+                if let Some(Err(panic)) = self.reader.take().map(JoinHandle::join) {
+                    resume_unwind(panic);
+                }
+                return Ok(Next::End);
+            }
         };
         Ok(Next::Frame(Frame {
             data: &frame.data,

@@ -4,8 +4,7 @@ use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 use std::time::SystemTime;
 
 use serde_json::{Value, json};
@@ -34,7 +33,8 @@ pub struct Operator {
     controls: Option<String>,
     recording: Option<Recording>,
     recorded: Vec<Recorded>,
-    saving: Arc<AtomicBool>,
+    /// Saves the last pictures that were asked for.
+    saving: Option<JoinHandle<()>>,
     /// What went wrong last, until a recording begins again.
     failure: Option<String>,
 }
@@ -106,7 +106,7 @@ impl Operator {
             controls: None,
             recording: None,
             recorded: Vec::new(),
-            saving: Arc::default(),
+            saving: None,
             failure: None,
         }
     }
@@ -130,8 +130,13 @@ impl Operator {
         }
     }
 
-    /// There are no more frames: a recording is over, and whole on the disk.
+    /// There are no more frames: a recording is over, and whole on the disk, and so are pictures.
     pub fn end(&mut self) {
+        if let Some(saving) = self.saving.take()
+            && saving.join().is_err()
+        {
+            self.failure = Some("the last pictures were not saved".to_owned());
+        }
         let nothing = Moment {
             eyes: [None, None],
             stitched: None,
@@ -178,11 +183,14 @@ impl Operator {
     }
 
     fn snapshot(&mut self, time: &str, asked: Asked, moment: &Moment<'_>) {
-        if self.saving.swap(true, Ordering::Relaxed) {
+        if self
+            .saving
+            .as_ref()
+            .is_some_and(|saving| !saving.is_finished())
+        {
             return asked.answer(Err("the last pictures are still being saved".to_owned()));
         }
         if let Err(reason) = self.mark(time, moment, "snapshot", "") {
-            self.saving.store(false, Ordering::Relaxed);
             return asked.answer(Err(reason));
         }
         let [left, right] = moment.eyes;
@@ -197,18 +205,17 @@ impl Operator {
             Some((path, Picture::of(&frame?)))
         })
         .collect();
-        let (saving, time) = (self.saving.clone(), time.to_owned());
+        let time = time.to_owned();
         let save_all = move || {
             let saved = pictures
                 .iter()
                 .try_for_each(|(path, picture)| save(picture, path));
-            saving.store(false, Ordering::Relaxed);
             asked.answer(saved.map(|()| format!("{} pictures of {time} saved", pictures.len())));
         };
         let thread = std::thread::Builder::new().name("snapshot".to_owned());
-        if let Err(error) = thread.spawn(save_all) {
-            self.saving.store(false, Ordering::Relaxed);
-            self.failure = Some(format!("no pictures were saved: {error}"));
+        match thread.spawn(save_all) {
+            Ok(saving) => self.saving = Some(saving),
+            Err(error) => self.failure = Some(format!("no pictures were saved: {error}")),
         }
     }
 
@@ -329,12 +336,12 @@ impl Operator {
 impl Recording {
     fn write(&mut self, moment: &Moment<'_>) -> Result<(), String> {
         let written = Recorder::write_shot(&mut self.recorders, &moment.eyes);
-        if written.map_err(|error| error.to_string())? {
-            self.given += 1;
-        } else {
-            self.left_out += 1;
+        match written {
+            Ok(false) => self.left_out += 1,
+            // What cannot be written is lost, and counts as that.
+            Ok(true) | Err(_) => self.given += 1,
         }
-        Ok(())
+        written.map(|_| ()).map_err(|error| error.to_string())
     }
 
     fn finish(mut self) -> Recorded {

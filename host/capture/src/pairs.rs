@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::believed::Believed;
 use crate::pairing::{Drift, Step, step};
@@ -12,6 +12,8 @@ use crate::{CaptureError, Frame, FrameSource, Health, Next, Stop};
 /// Without a first pair for this long, of cameras that both do give frames, is an error: enough for
 /// exposure to settle.
 const HOPELESS_S: f64 = 5.0;
+/// When the frames of one eye are over, those still in the other one's pipe are counted for so long.
+const DRAIN: Duration = Duration::from_secs(1);
 
 /// One frame of each eye, taken at the same time.
 #[derive(Debug, Clone, Copy)]
@@ -328,7 +330,10 @@ impl Pairs {
         } else {
             right_source
         };
-        while !is_live[other] && !stop.is_set() {
+        // A pipe may go on for ever.
+        let until = rest.source().is_piped().then(|| Instant::now() + DRAIN);
+        let is_time_over = || until.is_some_and(|until| Instant::now() > until);
+        while !is_live[other] && !stop.is_set() && !is_time_over() {
             match rest.next()? {
                 Next::Frame(_) => statistics.alone[other] += 1,
                 Next::Nothing => {}

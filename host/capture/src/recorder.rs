@@ -10,6 +10,7 @@ use tectum_bake::Format;
 use y4m::Colorspace;
 
 use crate::convert::{to_core, to_rgb8};
+use crate::jpeg;
 use crate::writer::Writer;
 use crate::{
     CaptureError, Frame, FrameFormat, Layout, MIN_FREE_BYTES, Shot, check_free, mjpeg, stamp,
@@ -239,7 +240,12 @@ impl Recorder {
 
     fn append_jpeg(&mut self, frame: &Frame<'_>) -> Option<()> {
         let jpeg = if frame.format.layout == Layout::Mjpeg {
-            std::borrow::Cow::Borrowed(frame.data)
+            let is_said = frame.format.full_range || jpeg::is_limited_range(frame.data);
+            match is_said {
+                true => std::borrow::Cow::Borrowed(frame.data),
+                // The driver knows it, the picture does not say it.
+                false => jpeg::with_comment(frame.data, jpeg::LIMITED_RANGE)?.into(),
+            }
         } else {
             let rgb = to_rgb8(frame).ok()?;
             let mut bytes = Cursor::new(Vec::new());

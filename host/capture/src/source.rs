@@ -49,6 +49,11 @@ pub trait FrameSource: Send {
         false
     }
 
+    /// Whether frames are made while they are read, as in a pipe: nobody knows whether they end.
+    fn is_piped(&self) -> bool {
+        false
+    }
+
     /// What is known of it beyond that, for a recording's description: product, controls.
     fn facts(&self) -> serde_json::Value {
         serde_json::Value::Null

@@ -151,10 +151,13 @@ impl Y4m {
         if self.fill(frame_bytes)?.len() < frame_bytes {
             return self.search(Some(line), stamped);
         }
-        // A frame that lost bytes reaches into the next. What stands behind it tells; from a pipe
-        // that would come with the next frame only, so that it is asked for where there is a doubt.
-        let planes = &self.rest()[line..frame_bytes];
-        let is_in_doubt = !self.input.is_pipe || next_frame(planes).is_some();
+        // A frame that lost bytes reaches into the next one's line. From a file a few bytes more show
+        // a line that only begins here; from a pipe they would come with the next frame only.
+        let behind = if self.input.is_pipe { 0 } else { FRAME.len() };
+        let there = self.fill(frame_bytes + behind)?.len();
+        let looked_at = &self.rest()[line..there.min(frame_bytes + behind)];
+        let at = next_frame(looked_at).map(|(at, _)| line + at);
+        let is_in_doubt = at.is_some_and(|at| at < frame_bytes);
         if is_in_doubt && !self.is_end_of_frame(frame_bytes)? {
             return self.search(Some(line), stamped);
         }

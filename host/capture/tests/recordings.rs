@@ -140,6 +140,24 @@ fn mjpeg_is_kept_bit_for_bit_but_for_the_time() {
 }
 
 #[test]
+fn motion_jpeg_that_only_its_driver_calls_limited_says_so_in_the_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    for full_range in [true, false] {
+        let path = folder.path().join(format!("{full_range}.mjpeg"));
+        let format = FrameFormat {
+            full_range,
+            ..FrameFormat::packed(Layout::Mjpeg, [32, 16])
+        };
+        record(&path, VideoKind::Mjpeg, format, 2);
+        let mut source = Mjpeg::open(&path).unwrap();
+        assert_eq!(source.format().full_range, full_range);
+        let (read, corrupt) = read_all(&mut source);
+        assert_eq!((read.len(), corrupt), (2, 0));
+        assert_eq!((read[1].1, read[1].2), (time(1), 2));
+    }
+}
+
+#[test]
 fn a_recording_cut_anywhere_gives_every_whole_frame_before() {
     let folder = tempfile::tempdir().unwrap();
     for (kind, layout) in [

@@ -139,6 +139,18 @@ fn a_cut_y4m_frame_costs_itself_alone_wherever_it_is_cut() {
 }
 
 #[test]
+fn a_damaged_line_costs_its_own_y4m_frame_and_what_stands_at_the_end_none() {
+    let mut parts = grey_video("", 5);
+    parts[3][0] = b'X';
+    let wanted = vec![(0, 0), (1, 1), (3, 3), (4, 4)];
+    assert_eq!(read_y4m(&parts.concat()), (wanted, 1));
+    let whole: Vec<_> = (0..5).map(|i| (i.into(), i)).collect();
+    let mut behind = grey_video("", 5).concat();
+    behind.push(b'\n');
+    assert_eq!(read_y4m(&behind).0, whole);
+}
+
+#[test]
 fn joined_y4m_recordings_are_one_and_others_are_refused() {
     let whole = grey_video("", 2).concat();
     let wanted = vec![(0, 0), (1, 1), (2, 0), (3, 1)];

@@ -2,14 +2,14 @@
 
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::Duration;
 
 use v4l::Device;
 
 use super::ControlSettings;
 use crate::Health;
-use crate::preview::{Controls, Eyes, Outcome};
+use crate::preview::{Controls, Eyes, Outcome, lock};
 
 /// Greatest exposure time that is asked of a camera, in 0.1 ms.
 const MAX_EXPOSURE: i64 = 100_000;
@@ -76,9 +76,11 @@ impl Controls for LiveControls {
                 "needed is an exposure time of 1 to {MAX_EXPOSURE}, in 0.1 ms"
             ));
         }
+        // Not within the call below: it locks what is kept as well.
+        let kept = *lock(&self.0.kept);
         self.0.set(ControlSettings {
             exposure: Some(exposure),
-            ..*lock(&self.0.kept)
+            ..kept
         })
     }
 
@@ -97,9 +99,18 @@ impl Inner {
             .collect()
     }
 
+    /// Sets all cameras, or none: where one refuses, those before it get back what they had.
     fn set(&self, settings: ControlSettings) -> Outcome {
-        for (path, _) in &self.cameras {
-            apply(path, &settings)?;
+        let before = self.present()?;
+        for (k, (path, _)) in self.cameras.iter().enumerate() {
+            if let Err(reason) = apply(path, &settings) {
+                for ((path, _), had) in self.cameras[..k].iter().zip(&before) {
+                    // What it refuses now is in the text on the page.
+                    let _ = apply(path, had);
+                }
+                self.refresh();
+                return Err(reason);
+            }
         }
         *lock(&self.kept) = settings;
         self.refresh();
@@ -150,10 +161,6 @@ fn words(present: &[ControlSettings]) -> String {
     let mut each: Vec<String> = present.iter().map(ControlSettings::to_string).collect();
     each.dedup();
     each.join("; ")
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -292,6 +292,11 @@ pub(super) fn open(path: &Path, wanted: &Wanted) -> Result<Agreed, CaptureError>
         let side =
             |px: u32| u16::try_from(px).map_err(|_| refuse("a picture below 65536 px".into()));
         let [width, height] = set.size_px;
+        if width % 2 == 1 && matches!(layout, Layout::Yuyv | Layout::Uyvy | Layout::Nv12) {
+            return Err(refuse(format!(
+                "an even width, as {layout} has pairs of pixels"
+            )));
+        }
         let packed = FrameFormat::packed(layout, [side(width)?, side(height)?]);
         let row_bytes = set.row_bytes[0] as usize;
         if set.planes > 1 && set.row_bytes[1] != set.row_bytes[0] {

@@ -51,8 +51,10 @@ pub(crate) fn first_comment(jpeg: &[u8]) -> Option<&[u8]> {
     rest.get(..usize::from(u16::from_be_bytes(*length)).checked_sub(2)?)
 }
 
-/// Whether a picture says that it is of the limited range of video, as ffmpeg has it in a comment
-/// among its headers.
+/// The comment by which a picture says that it is of the limited range of video, as ffmpeg writes it.
+pub(crate) const LIMITED_RANGE: &str = "CS=ITU601";
+
+/// Whether a picture has that comment among its headers.
 pub(crate) fn is_limited_range(jpeg: &[u8]) -> bool {
     let mut at = 2;
     while let Some(&[0xff, kind, high, low]) = jpeg.get(at..at + 4) {
@@ -60,7 +62,7 @@ pub(crate) fn is_limited_range(jpeg: &[u8]) -> bool {
         let body = jpeg.get(at + 4..at + 2 + length).unwrap_or_default();
         match kind {
             marker::SOS => return false,
-            marker::COM if body.starts_with(b"CS=ITU601") => return true,
+            marker::COM if body.starts_with(LIMITED_RANGE.as_bytes()) => return true,
             _ => at += 2 + length,
         }
     }

@@ -6,9 +6,9 @@ const id = (name) => document.getElementById(name);
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 const SIDES = ["left", "right"];
 /** Without an answer for this long, ms, what is on the screen is not live. */
-const SILENCE = 2000;
+const SILENCE_MS = 2000;
 /** So long losses stay an alarm, ms. */
-const RECENT = 6000;
+const RECENT_MS = 6000;
 
 let facts = {};
 let answered = performance.now();
@@ -95,7 +95,7 @@ function recentLosses(name) {
   const now = performance.now();
   if (memory.total !== null && total > memory.total) memory.events.push([now, total - memory.total]);
   memory.total = total;
-  memory.events = memory.events.filter(([time]) => now - time < RECENT);
+  memory.events = memory.events.filter(([time]) => now - time < RECENT_MS);
   return memory.events.reduce((sum, [, count]) => sum + count, 0);
 }
 
@@ -119,7 +119,7 @@ function render() {
   const alarms = [];
   const lost = SIDES.map((name) => eyeState(name, alarms));
   let words = null;
-  if (silence > SILENCE) words = `NO CONNECTION for ${Math.round(silence / 1000)} s`;
+  if (silence > SILENCE_MS) words = `NO CONNECTION for ${Math.round(silence / 1000)} s`;
   else if (facts.stalled) words = `NO NEW PICTURES for ${Math.round(facts.frame_age_ms / 1000)} s`;
   if (words) alarms.unshift(words + ". What you see is not live.");
   operatorAlarms(alarms);

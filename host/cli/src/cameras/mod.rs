@@ -15,7 +15,7 @@ mod watch;
 pub use attitude::{Attitude, Attitudes, yaw_pitch_roll_deg};
 pub use demo::demo_table;
 pub use feed::Feed;
-pub use open::{CameraOptions, is_standard_input, open};
+pub use open::{CameraOptions, is_pipe, open};
 pub use scales::LiveScales;
 pub use stage::{Limits, ViewArgs, stop_on_interrupt};
 pub use watch::Watch;

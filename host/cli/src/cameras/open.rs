@@ -196,9 +196,14 @@ fn is_video(path: &Path) -> bool {
 }
 
 /// Whether a name is that of the standard input.
-pub fn is_standard_input(path: &Path) -> bool {
+fn is_standard_input(path: &Path) -> bool {
     let names = ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"];
     names.iter().any(|name| path == Path::new(name))
+}
+
+/// Whether a name is that of the standard input or of a named pipe.
+pub fn is_pipe(path: &Path) -> bool {
+    pipe(path).is_some()
 }
 
 /// Device and number of a named pipe or of the standard input.

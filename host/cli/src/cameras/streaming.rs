@@ -21,12 +21,11 @@ pub fn keep(bytes: Vec<u8>, path: &Path) -> anyhow::Result<&'static Tables<'stat
 
 /// Size of a frame of both eyes, as a table needs it.
 pub fn source_size_px(tables: &Tables<'_>) -> anyhow::Result<[u16; 2]> {
-    let sizes = Eye::BOTH.map(|eye| tables.source_size_px(eye));
-    match sizes {
-        [Some(left), Some(right)] if left == right => Ok(left),
-        [Some(_), Some(_)] => bail!("the table's eyes differ in size: live cameras must be alike"),
-        _ => bail!("the table shows one eye alone: live stitching needs both"),
+    let is_shown = |eye: &Eye| tables.source_size_px(*eye).is_some();
+    if !Eye::BOTH.iter().all(is_shown) {
+        bail!("the table shows one eye alone: live stitching needs both");
     }
+    viewing::source_size_px(tables)
 }
 
 /// A preview beside the work.

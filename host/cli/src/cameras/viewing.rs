@@ -64,6 +64,7 @@ pub fn run(
     let operator = showing::operator(viewing.folder, &feed);
     let mut watch = Watch::new(&feed, Some(preview)).with_operator(operator);
     let mut stitcher = tables.map(|tables| LiveStitcher::new(tables, Sampler::Bilinear));
+    let mut undecodable = 0_u64;
     loop {
         let before = watch.shots();
         let mut pace = (!feed.is_live()).then(|| Pace::new(feed.period_ns()));
@@ -92,6 +93,9 @@ pub fn run(
                 let since_ns = frame.time_ns.wrapping_sub(since.unwrap_or(frame.time_ns));
                 watch.set_attitude(attitude(attitudes, since_ns, has_time));
             }
+            if tables.is_some() && stitched.is_none() {
+                undecodable += 1;
+            }
             watch.shot(shot, stitched, begun, statistics);
             let flow = limits.flow(watch.shots(), watch.start());
             is_over = flow.is_break();
@@ -118,6 +122,7 @@ pub fn run(
         }
         break;
     }
+    watch.leave_out(undecodable);
     watch.end(&feed)?;
     Ok(Report::new(watch.text(), watch.json()))
 }

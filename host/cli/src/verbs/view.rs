@@ -4,9 +4,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use crate::cameras::viewing::{self, AtEnd, Viewing};
-use crate::cameras::{
-    Attitudes, CameraOptions, Limits, demo_table, is_standard_input, open, streaming,
-};
+use crate::cameras::{Attitudes, CameraOptions, Limits, demo_table, is_pipe, open, streaming};
 use crate::files;
 use crate::report::{Report, Usage};
 
@@ -68,13 +66,8 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         .into());
     }
     let eyes = [&args.left, &args.right, &args.cameras.side_by_side];
-    if args.at_end == AtEnd::Loop
-        && eyes
-            .into_iter()
-            .flatten()
-            .any(|path| is_standard_input(path))
-    {
-        let usage = "the standard input cannot begin again: leave out --at-end loop";
+    if args.at_end == AtEnd::Loop && eyes.into_iter().flatten().any(|path| is_pipe(path)) {
+        let usage = "the standard input and pipes cannot begin again: leave out --at-end loop";
         return Err(Usage(usage.into()).into());
     }
     let keep = |(bytes, name): (Vec<u8>, PathBuf)| streaming::keep(bytes, &name);

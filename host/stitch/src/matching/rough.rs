@@ -51,11 +51,7 @@ impl Candidate {
 /// A reading for each pairing, or why there is none.
 pub fn by_shots(pairings: &[&Pairing], relative: &Relative, slack: Slack) -> Vec<Chosen> {
     let rig = relative.left_from_right();
-    let prior = Prior {
-        pose: rig,
-        turn_sigma_rad: slack.turn_rad / 2.0,
-        position_covariance_mm2: nalgebra::Matrix3::identity() * (slack.shift_mm / 2.0).powi(2),
-    };
+    let prior = Prior::within(rig, slack.turn_rad, slack.shift_mm);
     let mut candidates = candidates(pairings, &prior);
     let order = |a: &Candidate, b: &Candidate| {
         let near = b.is_within(slack).cmp(&a.is_within(slack));

@@ -56,11 +56,7 @@ pub fn by_boards(
     };
     let (boards, implied) = boards(eyes, ties);
     let most_shift_mm = Slack::of(held.position_mm.norm()).shift_mm;
-    let prior = Prior {
-        pose: held,
-        turn_sigma_rad: options.most_turn_rad / 2.0,
-        position_covariance_mm2: Matrix3::identity() * (most_shift_mm / 2.0).powi(2),
-    };
+    let prior = Prior::within(held, options.most_turn_rad, most_shift_mm);
     let starts: Vec<BoardPose> = std::iter::once(held).chain(implied).collect();
     let near_rig = relative::fit(&boards, &starts, Some(&prior))?;
     // The rig only leads there: what the boards know well they say alone.

@@ -38,6 +38,17 @@ pub struct Prior {
     pub position_covariance_mm2: Matrix3<f64>,
 }
 
+impl Prior {
+    /// A pose that is off by at most `turn_rad` and `shift_mm`: two standard deviations.
+    pub fn within(pose: BoardPose, turn_rad: f64, shift_mm: f64) -> Self {
+        Self {
+            pose,
+            turn_sigma_rad: turn_rad / 2.0,
+            position_covariance_mm2: Matrix3::identity() * (shift_mm / 2.0).powi(2),
+        }
+    }
+}
+
 /// The right eye's pose that all boards have in common.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelativeFit {

@@ -40,7 +40,8 @@ const SEAM_PX: [u16; 2] = [2048, 1024];
     yaw and a pitch (Eq. 7, with the sign of Table 2); parallax from the eye's place to the body's\n\
     origin is accounted for.\n\n\
     With -o the rig is written with both eyes turned as the boards say, which calibration of the eyes\n\
-    cannot know: as one piece with the body, or each in its place, whichever fits better (--turn says). `--correct scale` also bends the picture by the boards' own scale, for\n\
+    cannot know: as one piece with the body, or each in its place, whichever fits better (--turn\n\
+    says). `--correct scale` also bends the picture by the boards' own scale, for\n\
     lenses that are known by their data sheet only. Bake it, and the core pays nothing.")]
 pub struct Args {
     /// Table that the pictures were stitched with

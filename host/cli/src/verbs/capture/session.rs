@@ -41,7 +41,7 @@ pub fn run(
     let feed_size_px = feed.format().size_px;
     let mut number = next_number(folder);
     let mut kept = [0_u32; 2];
-    feed.for_each(&stop, |shot, statistics| {
+    let done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         let grey = shot.map(|frame| frame.and_then(|frame| grey(&frame)));
         let corners = (grey.each_ref()).map(|grey| grey.as_ref().and_then(|g| detect(g, board)));
@@ -77,7 +77,11 @@ pub fn run(
         watch.set_session(page(&session, &advice, &corners, &counts));
         watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
-    })?;
+    });
+    if done.is_err() {
+        watch.end_recording();
+    }
+    done?;
     watch.end(feed)?;
     let share = session
         .coverage()
