@@ -19,8 +19,6 @@ const FLAT_SHARE: f64 = 0.2;
 pub struct Seen {
     /// Corners.
     pub view: View,
-    /// Corners at the view's labels, and their rays.
-    pub sights: Vec<Sight>,
     /// Camera <- the view's labels, mm.
     pub pose: BoardPose,
     /// The board's labels from the view's, if the marker tells.
@@ -38,7 +36,7 @@ pub fn boards(
     sighting: &Sighting,
 ) -> Vec<Result<Seen, Refusal>> {
     let name = NAMES[which];
-    let posed: Vec<Vec<Option<Result<Posed, Refusal>>>> = targets
+    let posed: Vec<Vec<Option<Result<BoardPose, Refusal>>>> = targets
         .iter()
         .map(|target| posed(eye, name, target, sighting))
         .collect();
@@ -79,12 +77,11 @@ pub fn boards(
         if placement.is_none() && sighting.mirrored {
             return Err(Refusal::Mirrored { eye: name });
         }
-        let posed = poses[index].clone();
-        let posed = posed.unwrap_or(Err(Refusal::NoBoard { eye: name }))?;
+        let pose = poses[index].clone();
+        let pose = pose.unwrap_or(Err(Refusal::NoBoard { eye: name }))?;
         Ok(Seen {
             view: sighting.boards[index].view.clone(),
-            sights: posed.sights,
-            pose: posed.pose,
+            pose,
             placement,
         })
     });
@@ -126,7 +123,7 @@ fn posed(
     name: &'static str,
     target: &Target,
     sighting: &Sighting,
-) -> Vec<Option<Result<Posed, Refusal>>> {
+) -> Vec<Option<Result<BoardPose, Refusal>>> {
     let board = sighting::board(target);
     let seen = sighting.boards.iter().map(|seen| {
         let board = board.filter(|board| board.size == seen.size)?;
@@ -135,14 +132,7 @@ fn posed(
     seen.collect()
 }
 
-/// A board's pose in the camera frame, and the sights that it was found from.
-#[derive(Debug, Clone)]
-struct Posed {
-    sights: Vec<Sight>,
-    pose: BoardPose,
-}
-
-fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Posed, Refusal> {
+fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<BoardPose, Refusal> {
     let sights: Vec<Sight> = view
         .corners
         .iter()
@@ -169,7 +159,7 @@ fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Pos
             rms_deg: rms.to_degrees(),
         });
     }
-    Ok(Posed { sights, pose })
+    Ok(pose)
 }
 
 /// The board that the target's marker belongs to, and how it lies. `None` without the marker.
@@ -178,7 +168,7 @@ fn by_marker(
     name: &'static str,
     target: &Target,
     sighting: &Sighting,
-    poses: &[Option<Result<Posed, Refusal>>],
+    poses: &[Option<Result<BoardPose, Refusal>>],
 ) -> Option<Result<(usize, Placement), Refusal>> {
     let target = sighting::overlap(target)?;
     let markers = sighting.markers_of(target);
@@ -202,9 +192,9 @@ fn by_marker(
         match pose {
             None => {}
             Some(Err(refusal)) => refused = Some(refusal.clone()),
-            Some(Ok(posed)) => {
+            Some(Ok(pose)) => {
                 let view = &sighting.boards[index].view;
-                match placement::by_marker(target, view, &posed.pose, &[a, b, c, d]) {
+                match placement::by_marker(target, view, pose, &[a, b, c, d]) {
                     Ok(placement) => placed.push((index, placement)),
                     Err(vote) => against = Some(vote),
                 }

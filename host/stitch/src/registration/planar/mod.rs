@@ -73,7 +73,7 @@ pub enum PlanarError {
 
 /// Fewest pairs that must agree: twice what a homography needs, and a share that chance does not give.
 const MIN_PAIRS: usize = 8;
-const MIN_SHARE: f64 = 0.1;
+const LEAST_SHARE: f64 = 0.1;
 /// Product of `1 + eigenvalue` below which a homography has no half; 8 for a mere shift.
 const LEAST_HALF: f64 = 0.1;
 /// Half of the width over which the left picture fades into the right one, px.
@@ -156,7 +156,7 @@ pub fn fit(
     let count = found
         .as_ref()
         .map_or(0, |found| found.1.iter().filter(|inlier| **inlier).count());
-    let needed = MIN_PAIRS.max((MIN_SHARE * seen.len() as f64).ceil() as usize);
+    let needed = MIN_PAIRS.max((LEAST_SHARE * seen.len() as f64).ceil() as usize);
     let Some((h, agreeing)) = found.filter(|_| count >= needed) else {
         return Err(PlanarError::NoConsensus {
             inliers: count,
