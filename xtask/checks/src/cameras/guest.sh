@@ -233,7 +233,7 @@ ask() {
 v4l2-ctl -d "$A" -c gain_automatic=0,gain=66 >/dev/null
 v4l2-ctl -d "$B" -c gain_automatic=0,gain=20 >/dev/null
 tectum view --left "$L" --right "$R" --address 127.0.0.1:8088 --frame-size 320x180 \
-    --pixel-format GREY --rate 25 --seconds 20 --json >page.json 2>page.err &
+    --pixel-format GREY --rate 25 --seconds 24 --json >page.json 2>page.err &
 viewer=$!
 sleep 3
 ask POST /lock '' >bare.txt
