@@ -172,18 +172,18 @@ last() {
     tail -c 57700 "$2/$1.y4m" | tr -cd ' -~\n' | grep -o 'SEQ=[0-9]*' | tail -n 1 | grep -o '[0-9]*'
 }
 tectum capture counted --left "$L" --right "$R" --record y4m --frame-size 320x180 \
-    --pixel-format GREY --rate 10 --frames 40 --json >counted.json 2>counted.err &
+    --pixel-format GREY --rate 10 --frames 60 --json >counted.json 2>counted.err &
 recorder=$!
 sleep 3
 fault percentage_of_dropped_buffers=40
-finish counted 40
+finish counted 60
 fault percentage_of_dropped_buffers=0
 least 'counted: dropped' "$(counts left dropped counted.json)" 4
 for eye in left right; do
     case $eye in left) place=1 ;; *) place=2 ;; esac
     alone=$(sed -n 's/.*"alone":\[\([0-9]*\),\([0-9]*\)\].*/\'$place'/p' counted.json)
     frames=$(counts $eye frames counted.json)
-    equal "counted: $eye frames have a partner or are alone" "$frames" $((40 + alone))
+    equal "counted: $eye frames have a partner or are alone" "$frames" $((60 + alone))
     made=$((frames + $(counts $eye dropped counted.json)))
     equal "counted: $eye frames came or were dropped" "$made" $(($(last $eye counted) + 1))
 done
