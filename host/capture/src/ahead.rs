@@ -44,7 +44,7 @@ impl Ahead {
     pub fn new(mut source: impl FrameSource + 'static) -> Self {
         let (to, frames) = sync_channel(FRAMES_AHEAD);
         let (used, spare) = channel();
-        let ahead = Self {
+        Self {
             name: source.name().to_owned(),
             format: source.format(),
             period_ns: source.period_ns(),
@@ -52,12 +52,8 @@ impl Ahead {
             frames,
             used,
             present: None,
-            reader: None,
-        };
-        let reader = thread::spawn(move || read(&mut source, &to, &spare));
-        Self {
-            reader: Some(reader),
-            ..ahead
+            // Last, for it takes the source.
+            reader: Some(thread::spawn(move || read(&mut source, &to, &spare))),
         }
     }
 }

@@ -74,6 +74,15 @@ impl Layout {
         }
     }
 
+    /// Which byte of a pixel holds its luma, the other one chroma; `None` where that is not so.
+    pub(crate) fn luma_byte_of_422(self) -> Option<usize> {
+        match self {
+            Self::Yuyv => Some(0),
+            Self::Uyvy => Some(1),
+            _ => None,
+        }
+    }
+
     /// Bytes to a pixel of the first plane; `None` for compressed frames.
     pub fn bytes_per_pixel(self) -> Option<usize> {
         match self {

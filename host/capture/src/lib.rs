@@ -10,6 +10,7 @@
 mod ahead;
 mod bayer;
 mod believed;
+mod beside;
 mod clock;
 mod convert;
 mod description;
@@ -46,6 +47,7 @@ mod y4m_file;
 mod y4m_header;
 
 pub use bayer::{Bayer, Depth, Mosaic};
+pub use beside::beside_each_other;
 pub use clock::{Judgement, Period, Stamp, is_plausible, judge, monotonic_ns};
 pub use convert::{NotDecodable, to_core, to_rgb8};
 pub use description::describe_recording;

@@ -1,13 +1,11 @@
 //! Stitching of frames as they come.
 
-use std::panic::resume_unwind;
-use std::thread;
-
 use tectum_bake::{Format, StitchFailure, stitch_bands, with_format};
 use tectum_core::{Eye, Frame as CoreFrame, PixelFormat, Sampler, Tables};
 
 use tectum_tables::RunKind;
 
+use crate::beside::beside_each_other;
 use crate::convert::{NotDecodable, to_core};
 use crate::{CaptureError, Frame, FrameFormat, Layout, Pair, Shot};
 
@@ -124,13 +122,8 @@ impl<'t> LiveStitcher<'t> {
             format.frame_bytes(),
             if full_range { 0 } else { LIMITED_BLACK },
         );
-        let chroma = match layout {
-            Layout::Yuyv => Some(1),
-            Layout::Uyvy => Some(0),
-            _ => None,
-        };
-        if let Some(first) = chroma {
-            let bytes = black.iter_mut().skip(first);
+        if let Some(luma) = layout.luma_byte_of_422() {
+            let bytes = black.iter_mut().skip(1 - luma);
             bytes.step_by(2).for_each(|c| *c = 128);
         }
         let missing = Frame {
@@ -164,8 +157,8 @@ impl<'t> LiveStitcher<'t> {
         stitch_bands(self.tables, self.sampler, &left, &right, &mut self.out)
             .map_err(StitchFailure::from)?;
         if !self.output_format(pair.left.format).full_range {
-            let luma = usize::from(pair.left.format.layout == Layout::Uyvy);
-            self.limit_void(F::BYTES_PER_PIXEL, luma);
+            let luma = pair.left.format.layout.luma_byte_of_422();
+            self.limit_void(F::BYTES_PER_PIXEL, luma.unwrap_or(0));
         }
         Ok(true)
     }
@@ -178,12 +171,6 @@ fn both_to_core<'a>(pair: &Pair<'a>, [left, right]: [&'a mut Vec<u8>; 2]) -> [Co
     if pair.left.format.layout != Layout::Mjpeg {
         return [to_core(&pair.left, left), to_core(&pair.right, right)];
     }
-    thread::scope(|scope| {
-        let left = scope.spawn(|| to_core(&pair.left, left));
-        let right = to_core(&pair.right, right);
-        [
-            left.join().unwrap_or_else(|panic| resume_unwind(panic)),
-            right,
-        ]
-    })
+    let both = beside_each_other(|| to_core(&pair.left, left), || to_core(&pair.right, right));
+    both.into()
 }

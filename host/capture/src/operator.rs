@@ -302,7 +302,7 @@ impl Operator {
         let mut about = describe_recording(self.rate, [of(0), of(1)]);
         about["controls_set_while_running"] = json!(self.controls);
         let path = self.folder.join(format!("{name}.json"));
-        std::fs::write(&path, format!("{about:#}\n")).map_err(|e| CaptureError::io(&path, e))
+        write_whole(&path, format!("{about:#}\n").as_bytes())
     }
 
     /// Adds a line to the file of marks.
@@ -330,6 +330,13 @@ impl Operator {
         // In one piece: a line is there or is not.
         file.write_all(format!("{header}{line}").as_bytes())
             .map_err(io)
+    }
+}
+
+impl Drop for Operator {
+    /// Whatever ends the program: recordings and pictures are whole.
+    fn drop(&mut self) {
+        self.end();
     }
 }
 
@@ -363,25 +370,28 @@ impl Recording {
     }
 }
 
-/// Writes a PNG file: under another name until it is whole on the disk.
+/// Writes a PNG file.
 fn save(picture: &Picture, path: &Path) -> Result<(), String> {
     let rgb = picture.rgb().ok_or("a frame cannot be decoded")?;
     let mut png = Cursor::new(Vec::new());
     let encoded = rgb.write_to(&mut png, image::ImageFormat::Png);
+    encoded.map_err(|error| format!("{}: {error}", path.display()))?;
+    write_whole(path, png.get_ref()).map_err(|error| error.to_string())
+}
+
+/// Writes a file under another name until it is whole on the disk.
+fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), CaptureError> {
     let unfinished = path.with_extension("part");
     let write = || {
         let mut file = File::create(&unfinished)?;
-        file.write_all(png.get_ref())?;
+        file.write_all(bytes)?;
         file.sync_all()?;
         std::fs::rename(&unfinished, path)
     };
-    let written = encoded
-        .map_err(|error| error.to_string())
-        .and_then(|()| write().map_err(|error| error.to_string()));
-    written.map_err(|error| {
+    write().map_err(|error| {
         // What is there of it is of no use, and takes room.
         let _ = std::fs::remove_file(&unfinished);
-        format!("{}: {error}", path.display())
+        CaptureError::io(path, error)
     })
 }
 

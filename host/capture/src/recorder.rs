@@ -3,12 +3,11 @@
 use image::codecs::jpeg::JpegEncoder;
 use std::fs::OpenOptions;
 use std::io::{Cursor, Write};
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::thread;
 use tectum_bake::Format;
 use y4m::Colorspace;
 
+use crate::beside::beside_each_other;
 use crate::convert::{to_core, to_rgb8};
 use crate::jpeg;
 use crate::writer::Writer;
@@ -176,11 +175,8 @@ impl Recorder {
             (Some(_), None) => false,
             (None, _) => true,
         };
-        let are_sound = thread::scope(|scope| {
-            let left = scope.spawn(|| encode(left, shot[0]));
-            let right = encode(right, shot[1]);
-            left.join().unwrap_or_else(|panic| resume_unwind(panic)) && right
-        });
+        let are_sound = beside_each_other(|| encode(left, shot[0]), || encode(right, shot[1]));
+        let are_sound = are_sound == (true, true);
         if are_sound {
             for recorder in recorders.iter_mut().flatten() {
                 recorder.keep()?;
@@ -328,6 +324,11 @@ fn planes(frame: &Frame<'_>, scratch: &mut Vec<u8>) -> Option<(Colorspace, [Vec<
     let every = |data: &[u8], start: usize, step: usize| -> Vec<u8> {
         data.iter().skip(start).step_by(step).copied().collect()
     };
+    let of_422 = |packed: &[u8], luma: usize| {
+        let planes = [(luma, 2), (1 - luma, 4), (3 - luma, 4)];
+        let planes = planes.map(|(start, step)| every(packed, start, step));
+        (Colorspace::C422, planes)
+    };
     Some(match layout {
         Layout::Grey => {
             let luma = rows(width, frame.data, height);
@@ -335,10 +336,7 @@ fn planes(frame: &Frame<'_>, scratch: &mut Vec<u8>) -> Option<(Colorspace, [Vec<
         }
         Layout::Yuyv | Layout::Uyvy => {
             let packed = rows(2 * width, frame.data, height);
-            let luma = usize::from(layout == Layout::Uyvy);
-            let planes = [(luma, 2), (1 - luma, 4), (3 - luma, 4)];
-            let planes = planes.map(|(start, step)| every(&packed, start, step));
-            (Colorspace::C422, planes)
+            of_422(&packed, layout.luma_byte_of_422()?)
         }
         Layout::Nv12 => {
             let (luma, chroma) = frame.data.split_at(stride_bytes * height);
@@ -348,12 +346,10 @@ fn planes(frame: &Frame<'_>, scratch: &mut Vec<u8>) -> Option<(Colorspace, [Vec<
         }
         Layout::Mjpeg if frame.format.core_format() == Format::Yuyv => {
             let (yuyv, _) = to_core(frame, scratch).ok()?;
-            let planes = [(0, 2), (1, 4), (3, 4)].map(|(start, step)| every(yuyv, start, step));
-            (Colorspace::C422, planes)
+            of_422(yuyv, 0)
         }
         Layout::Rgb565 | Layout::Rgb565Be | Layout::Rgb24 | Layout::Mjpeg | Layout::Bayer(_) => {
-            // Through the checks of the conversion; then luma and chroma for each pixel.
-            to_core(frame, scratch).ok()?;
+            // Luma and chroma for each pixel.
             let rgb = to_rgb8(frame).ok()?;
             let mut planes = [const { Vec::new() }; 3];
             for pixel in rgb.as_chunks::<3>().0 {

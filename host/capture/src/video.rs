@@ -31,23 +31,22 @@ pub fn open_video(path: &Path) -> Result<Box<dyn FrameSource>, CaptureError> {
     if let (Some(what), false) = (other_video(&first), is_named_mjpeg(path)) {
         return Err(refuse(format!("{what}: {}", conversion_advice(path))));
     }
-    let is_pipe = input.is_pipe;
     let is_y4m = first.starts_with(y4m_header::MAGIC)
         || !first.starts_with(&[0xff]) && VideoKind::of(path) == Some(VideoKind::Y4m);
-    if is_y4m {
-        let video = Y4m::read_from(input)?;
-        return Ok(if is_pipe {
-            Box::new(Ahead::new(video))
-        } else {
-            Box::new(video)
-        });
-    }
-    let video = Mjpeg::read_from(input)?;
-    Ok(if is_pipe {
+    let is_pipe = input.is_pipe;
+    Ok(if is_y4m {
+        boxed(Y4m::read_from(input)?, is_pipe)
+    } else {
+        boxed(Mjpeg::read_from(input)?, is_pipe)
+    })
+}
+
+fn boxed(video: impl FrameSource + 'static, is_pipe: bool) -> Box<dyn FrameSource> {
+    if is_pipe {
         Box::new(Ahead::new(video))
     } else {
         Box::new(video)
-    })
+    }
 }
 
 /// How to make a video that can be read.

@@ -144,12 +144,11 @@ impl Y4m {
             return self.another(line);
         }
         let Some(line) = line.filter(|_| starts_frame(self.rest())) else {
-            return self.search(None, None);
+            return self.search(None);
         };
-        let stamped = stamp::read(&self.rest()[FRAME.len()..line]);
         let frame_bytes = self.frame_bytes(line);
         if self.fill(frame_bytes)?.len() < frame_bytes {
-            return self.search(Some(line), stamped);
+            return self.search(Some(line));
         }
         // A frame that lost bytes reaches into the next one's line. From a file a few bytes more show
         // a line that only begins here; from a pipe they would come with the next frame only.
@@ -159,7 +158,7 @@ impl Y4m {
         let at = next_frame(looked_at).map(|(at, _)| line + at);
         let is_in_doubt = at.is_some_and(|at| at < frame_bytes);
         if is_in_doubt && !self.is_end_of_frame(frame_bytes)? {
-            return self.search(Some(line), stamped);
+            return self.search(Some(line));
         }
         Ok(Found::Frame(line))
     }
@@ -179,12 +178,9 @@ impl Y4m {
 
     /// Passes over what is no frame, up to where the next may begin, and counts the frames that it
     /// once was, by its length. `line` is that of a frame which is not whole.
-    fn search(
-        &mut self,
-        line: Option<usize>,
-        stamped: Option<(i64, u32)>,
-    ) -> Result<Found, CaptureError> {
+    fn search(&mut self, line: Option<usize>) -> Result<Found, CaptureError> {
         let begins_frame = line.is_some();
+        let stamped = line.and_then(|line| stamp::read(&self.rest()[FRAME.len()..line]));
         let mut passed = line.unwrap_or(1);
         self.used += passed;
         loop {

@@ -21,7 +21,7 @@ pub(crate) struct Header {
 /// Reads the line, its end included.
 ///
 /// # Errors
-/// Why it is none that can be used, and what to do.
+/// Why it cannot be used, and what to do.
 pub(crate) fn parse(line: &[u8]) -> Result<Header, String> {
     if !line.starts_with(MAGIC) {
         return Err("not a sound y4m video: it does not begin as one".to_owned());

@@ -34,8 +34,8 @@ impl std::fmt::Debug for LiveControls {
 }
 
 impl LiveControls {
-    /// Of eyes that are cameras, by their names; `None` if an eye is none, or if none of them has a
-    /// control that can be set.
+    /// Of eyes that are cameras, by their names; `None` if an eye is no camera, or if no camera has
+    /// a control that can be set.
     pub fn of(eyes: &Eyes) -> Option<Self> {
         let eyes = eyes.iter().flatten();
         let cameras: Vec<_> = eyes

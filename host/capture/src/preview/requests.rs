@@ -1,7 +1,7 @@
 //! What clients with the token may ask for, and how the capturing thread answers without waiting.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use tokio::sync::{mpsc, oneshot};
@@ -67,7 +67,7 @@ impl Requests {
 
     /// For the capturing thread: a request whose client still waits.
     pub fn next(&self) -> Option<Asked> {
-        let mut from = self.from.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut from = super::lock(&self.from);
         loop {
             let asked = from.try_recv().ok()?;
             let is_withdrawn = asked.is_decided.swap(true, Ordering::Relaxed);

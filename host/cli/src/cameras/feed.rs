@@ -131,6 +131,7 @@ impl Feed {
     }
 
     /// Name and counters of each source; there is one where it gives both eyes.
+    #[cfg(feature = "v4l2")]
     pub fn sources(&self) -> [Option<(String, Arc<Health>)>; 2] {
         match self {
             Self::One(..) | Self::Two(_) => self.eyes(),

@@ -1,15 +1,13 @@
 //! From what is named on the command line to frames.
 
 use std::os::unix::fs::{FileTypeExt, MetadataExt};
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::thread;
 
 use clap::ValueEnum;
 use tectum_calibrate::session::{list, pair_by_name};
 use tectum_capture::{
-    CaptureError, FrameSource, Late, Layout, Pairs, Pictures, VideoKind, conversion_advice,
-    open_video,
+    CaptureError, FrameSource, Late, Layout, Pairs, Pictures, VideoKind, beside_each_other,
+    conversion_advice, open_video,
 };
 
 use super::feed::SideBySide;
@@ -277,15 +275,10 @@ fn both(
         [one(left, options, size_px)?, one(right, options, size_px)?]
     } else {
         // Both at once: one program may write two pipes, and begins when both are open.
-        let opened = thread::scope(|scope| {
-            let left = scope.spawn(|| one(left, options, size_px));
-            let right = one(right, options, size_px);
-            [
-                left.join().unwrap_or_else(|panic| resume_unwind(panic)),
-                right,
-            ]
-        });
-        let [left, right] = opened;
+        let (left, right) = beside_each_other(
+            || one(left, options, size_px),
+            || one(right, options, size_px),
+        );
         [left?, right?]
     };
     #[cfg(feature = "v4l2")]

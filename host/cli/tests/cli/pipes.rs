@@ -56,7 +56,7 @@ fn report(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// A named pipe; `false` where there are none.
+/// Makes a named pipe; `false` where the system cannot.
 fn make_pipe(path: &Path) -> bool {
     let made = Command::new("mkfifo").arg(path).status();
     let is_made = made.is_ok_and(|status| status.success());

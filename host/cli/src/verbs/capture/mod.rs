@@ -7,9 +7,9 @@ mod stills;
 use std::path::PathBuf;
 
 use tectum_calibrate::BoardSize;
-use tectum_capture::VideoKind;
+use tectum_capture::{Operator, VideoKind};
 
-use crate::cameras::{CameraOptions, Feed, Limits, ViewArgs, open};
+use crate::cameras::{CameraOptions, Feed, Limits, ViewArgs, Watch, open, showing};
 use crate::report::{Report, Usage};
 
 /// Both cameras to a calibration session, to stills or to a video
@@ -119,4 +119,11 @@ fn list() -> anyhow::Result<Report> {
         })
         .collect();
     Ok(Report::new(text, serde_json::json!({ "cameras": json })))
+}
+
+/// Counts what a feed gives, with the preview that is asked for.
+fn watch(args: &Args, feed: &Feed, operator: Operator) -> anyhow::Result<Watch> {
+    let view = args.view.view;
+    let preview = view.map(|address| showing::serve(address, feed, None, true));
+    Ok(Watch::new(feed, preview.transpose()?).with_operator(operator))
 }

@@ -8,8 +8,8 @@ use anyhow::{Context, bail};
 use serde_json::Value;
 use tectum_capture::{Operator, Recorder, VideoKind, describe_recording};
 
-use super::Args;
-use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
+use super::{Args, watch};
+use crate::cameras::{Feed, stop_on_interrupt};
 use crate::files;
 use crate::report::{Report, path_json};
 
@@ -31,10 +31,7 @@ pub fn run(args: &Args, feed: &mut Feed, folder: &Path, kind: VideoKind) -> anyh
     let mut recorders = [create((left, "left"))?, create((right, "right"))?];
     let description = format!("{:#}\n", describe(feed, rate));
     let stop = stop_on_interrupt(&args.limits)?;
-    let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None, true));
-    let operator = Operator::new(folder, feed.rate(), true);
-    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
+    let mut watch = watch(args, feed, Operator::new(folder, feed.rate(), true))?;
     let mut undecodable = 0_u64;
     let done = feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();

@@ -12,9 +12,9 @@ use tectum_calibrate::detect::chessboard;
 use tectum_calibrate::session::list;
 use tectum_capture::{Advice, Coverage, Frame, Guidance, Session, Verdict, to_rgb8};
 
-use super::Args;
 use super::stills::{next_number, save};
-use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
+use super::{Args, watch};
+use crate::cameras::{Feed, showing, stop_on_interrupt};
 use crate::pictures;
 use crate::progress::Progress;
 use crate::report::Report;
@@ -33,15 +33,12 @@ pub fn run(
     let mut session = Session::new(feed.format().size_px, feed.is_live());
     let earlier = resume(&mut session, folder, board)?;
     let stop = stop_on_interrupt(&args.limits)?;
-    let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None, true));
-    let operator = showing::operator(folder, feed);
-    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
+    let mut watch = watch(args, feed, showing::operator(folder, feed))?;
     let mut guidance = Guidance::default();
     let feed_size_px = feed.format().size_px;
     let mut number = next_number(folder);
     let mut kept = [0_u32; 2];
-    let done = feed.for_each(&stop, |shot, statistics| {
+    feed.for_each(&stop, |shot, statistics| {
         let begun = Instant::now();
         let grey = shot.map(|frame| frame.and_then(|frame| grey(&frame)));
         let corners = (grey.each_ref()).map(|grey| grey.as_ref().and_then(|g| detect(g, board)));
@@ -77,11 +74,7 @@ pub fn run(
         watch.set_session(page(&session, &advice, &corners, &counts));
         watch.shot(shot, None, begun, statistics);
         Ok(args.limits.flow(watch.shots(), watch.start()))
-    });
-    if done.is_err() {
-        watch.end_recording();
-    }
-    done?;
+    })?;
     watch.end(feed)?;
     let share = session
         .coverage()

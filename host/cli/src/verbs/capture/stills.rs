@@ -6,18 +6,15 @@ use std::time::Instant;
 
 use tectum_capture::{Frame, MIN_FREE_BYTES, Operator, check_free, to_rgb8};
 
-use super::Args;
-use crate::cameras::{Feed, Watch, showing, stop_on_interrupt};
+use super::{Args, watch};
+use crate::cameras::{Feed, stop_on_interrupt};
 use crate::pictures;
 use crate::report::Report;
 
 /// Writes `left/0001.png`, `right/0001.png` and so on; existing files are passed over.
 pub fn run(args: &Args, feed: &mut Feed, folder: &Path) -> anyhow::Result<Report> {
     let stop = stop_on_interrupt(&args.limits)?;
-    let view = args.view.view;
-    let preview = view.map(|address| showing::serve(address, feed, None, true));
-    let operator = Operator::new(folder, feed.rate(), true);
-    let mut watch = Watch::new(feed, preview.transpose()?).with_operator(operator);
+    let mut watch = watch(args, feed, Operator::new(folder, feed.rate(), true))?;
     let mut number = next_number(folder);
     let mut undecodable = 0_u64;
     feed.for_each(&stop, |shot, statistics| {

@@ -73,9 +73,9 @@ pub enum PlanarError {
 
 /// Fewest pairs that must agree: twice what a homography needs, and a share that chance does not give.
 const MIN_PAIRS: usize = 8;
-const LEAST_SHARE: f64 = 0.1;
+const MIN_SHARE: f64 = 0.1;
 /// Product of `1 + eigenvalue` below which a homography has no half; 8 for a mere shift.
-const LEAST_HALF: f64 = 0.1;
+const MIN_HALF: f64 = 0.1;
 /// Half of the width over which the left picture fades into the right one, px.
 const FADE_PX: f64 = 8.0;
 /// Sides of the stitched picture, in those of a tile, at most.
@@ -112,7 +112,7 @@ fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
 fn halves(h: &Matrix3<f64>) -> Option<[Matrix3<f64>; 2]> {
     let identity = Matrix3::identity();
     // The product over the eigenvalues of 1 + each.
-    if (h + identity).determinant().abs() < LEAST_HALF {
+    if (h + identity).determinant().abs() < MIN_HALF {
         return None;
     }
     let back = h.try_inverse()?;
@@ -156,7 +156,7 @@ pub fn fit(
     let count = found
         .as_ref()
         .map_or(0, |found| found.1.iter().filter(|inlier| **inlier).count());
-    let needed = MIN_PAIRS.max((LEAST_SHARE * seen.len() as f64).ceil() as usize);
+    let needed = MIN_PAIRS.max((MIN_SHARE * seen.len() as f64).ceil() as usize);
     let Some((h, agreeing)) = found.filter(|_| count >= needed) else {
         return Err(PlanarError::NoConsensus {
             inliers: count,
