@@ -72,15 +72,16 @@ impl Shot {
             ahead.inverse() * turned
         };
         let towards = turn(self.at_deg);
-        let board: Rotation3<f64> = towards * turn(self.tilt_deg);
-        let middle = towards * Vector3::z() * self.distance_mm;
-        let normal = board * Vector3::z();
+        // The board's frame: z is its normal, x and y run along its rows and columns.
+        let to_board: Rotation3<f64> = (towards * turn(self.tilt_deg)).inverse();
+        let middle = to_board * (towards * Vector3::z() * self.distance_mm);
         let reflectance = |x: f64, y: f64| -> f64 {
             let Ok(ray) = lens.unproject([x, y]) else {
                 return 0.0;
             };
-            let range = middle.dot(&normal) / ray.dot(&normal);
-            let local = board.inverse() * (ray * range - middle);
+            let ray = to_board * ray;
+            let range = middle.z / ray.z;
+            let local = ray * range - middle;
             let cell = |v: f64, corners: u32| v / SQUARE_MM + f64::from(corners + 1) / 2.0;
             let (u, v) = (cell(local.x, self.board[0]), cell(local.y, self.board[1]));
             let within = |v: f64, corners: u32, margin: f64| {
