@@ -149,7 +149,8 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
             format.picture_bytes([width.into(), format.rows()]),
         );
     }
-    text += "* estimate: pixels by owner times instructions counted on an emulated Cortex-M7";
+    text += "* estimate: pixels by owner times instructions counted on an emulated Cortex-M7\n\
+             nv12: an output row is two of luma with the one of chroma that they share";
     text
 }
 
