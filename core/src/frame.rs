@@ -29,7 +29,7 @@ impl core::fmt::Display for FrameError {
             Self::Stride { needed } => write!(f, "the stride must be at least {needed} bytes"),
             Self::Size => write!(
                 f,
-                "width and height must be positive (even width for 4:2:2)"
+                "width and height must be positive (even width for 4:2:2 and 4:2:0)"
             ),
         }
     }
@@ -48,7 +48,8 @@ pub struct Frame<'a, F> {
 }
 
 impl<'a, F: PixelFormat> Frame<'a, F> {
-    /// A frame of `width_px` x `height_px` pixels whose rows start every `stride_bytes`.
+    /// A frame of `width_px` x `height_px` pixels whose rows of bytes, one for each
+    /// [`PixelFormat::ROWS`] of the picture, start every `stride_bytes`.
     /// Bytes after the last pixel are ignored.
     ///
     /// # Errors
@@ -66,18 +67,18 @@ impl<'a, F: PixelFormat> Frame<'a, F> {
         if stride_bytes < row {
             return Err(FrameError::Stride { needed: row });
         }
-        let needed = (usize::from(height_px) - 1)
+        let rows = usize::from(height_px).div_ceil(F::ROWS);
+        let needed = (rows - 1)
             .checked_mul(stride_bytes)
             .and_then(|above| above.checked_add(row))
             .unwrap_or(usize::MAX);
-        if data.len() < needed {
-            return Err(FrameError::TooShort { needed });
-        }
+        let data = data.get(..needed).ok_or(FrameError::TooShort { needed })?;
         Ok(Self {
             data,
             width_px,
             height_px,
-            stride_bytes,
+            // Of a single row no stride matters; this one leads just out of it.
+            stride_bytes: stride_bytes.min(needed),
             format: PhantomData,
         })
     }
@@ -93,6 +94,7 @@ impl<'a, F: PixelFormat> Frame<'a, F> {
         self.data.get(at..)
     }
 
+    /// All bytes up to the last pixel's.
     pub(crate) fn data(&self) -> &'a [u8] {
         self.data
     }
@@ -105,7 +107,7 @@ impl<'a, F: PixelFormat> Frame<'a, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Gray8, Rgb8, Yuyv};
+    use crate::{Chroma420, Gray8, Rgb8, Yuyv};
 
     #[test]
     fn the_last_row_needs_no_padding() {
@@ -113,6 +115,14 @@ mod tests {
         assert!(Frame::<Rgb8>::new(&bytes, 2, 3, 8).is_ok());
         let error = Frame::<Rgb8>::new(&bytes[1..], 2, 3, 8).unwrap_err();
         assert_eq!(error, FrameError::TooShort { needed: 22 });
+    }
+
+    #[test]
+    fn the_stride_of_a_single_row_leads_just_out_of_it() {
+        for rows in [1, 2] {
+            let frame = Frame::<Chroma420>::new(&[0; 4], 4, rows, usize::MAX).unwrap();
+            assert_eq!((frame.stride_bytes(), frame.data().len()), (4, 4));
+        }
     }
 
     #[test]

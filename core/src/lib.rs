@@ -39,7 +39,8 @@ mod tone;
 pub use direction::{BinaryAngle, Direction};
 pub use exposure::{Exposure, Gains, Meter};
 pub use format::{
-    Gray8, Packed422, Packed565, PixelFormat, Rgb8, Rgb565, Rgb565Be, Uyvy, YuvRange, Yuyv,
+    Chroma420, Gray8, Nv12, Packed422, Packed565, PixelFormat, Rgb8, Rgb565, Rgb565Be, Uyvy,
+    YuvRange, Yuyv,
 };
 pub use frame::{Frame, FrameError};
 pub use lookup::Lookup;

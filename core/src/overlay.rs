@@ -67,12 +67,13 @@ impl<'t, F: PixelFormat> Painter<'t, F> {
     pub fn row(&self, y: u16, out: &mut [u8]) -> Result<(), StitchError> {
         let [width, height] = self.overlay.size_px();
         let expected = usize::from(width) * F::BYTES_PER_PIXEL;
-        if y >= height {
+        if y >= height.div_ceil(F::ROWS as u16) {
             return Err(StitchError::Row);
         }
         if out.len() != expected {
             return Err(StitchError::OutputLength { expected });
         }
+        let y = y * F::ROWS as u16;
         self.layer(Layer::Edge, y, out);
         self.layer(Layer::Light, y, out);
         Ok(())

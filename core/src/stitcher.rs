@@ -119,12 +119,18 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
         Self { curves, ..self }
     }
 
+    /// Output rows of bytes, one for each [`PixelFormat::ROWS`] of the picture.
+    fn rows(&self) -> u16 {
+        self.tables.output_height_px().div_ceil(F::ROWS as u16)
+    }
+
     /// Bytes in an output row.
     pub fn row_bytes(&self) -> usize {
         usize::from(self.tables.output_width_px()) * F::BYTES_PER_PIXEL
     }
 
-    /// Stitches output row `y` of both frames into `out`.
+    /// Stitches output row `y` of both frames into `out`. Where rows share bytes
+    /// ([`PixelFormat::ROWS`]), rows of bytes are counted.
     ///
     /// # Errors
     /// [`StitchError`] if a size does not fit; `out` is untouched then.
@@ -158,7 +164,7 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
     ) -> Result<(), StitchError> {
         let expected = self.row_bytes();
         let mut rest = out;
-        for y in 0..self.tables.output_height_px() {
+        for y in 0..self.rows() {
             let row = rest
                 .get_mut(..expected)
                 .ok_or(StitchError::OutputLength { expected })?;
@@ -204,7 +210,7 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
 
     fn check_row(&self, y: u16, out: &[u8]) -> Result<(), StitchError> {
         let expected = self.row_bytes();
-        if y >= self.tables.output_height_px() {
+        if y >= self.rows() {
             Err(StitchError::Row)
         } else if out.len() != expected {
             Err(StitchError::OutputLength { expected })
@@ -214,6 +220,7 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
     }
 
     fn left_runs(&self, source: Source<'_>, y: u16, out: &mut [u8]) {
+        let y = y * F::ROWS as u16;
         for run in self.tables.runs(y) {
             let start = run.start as usize;
             match run.kind {
@@ -227,6 +234,7 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
     }
 
     fn right_runs(&self, source: Source<'_>, y: u16, out: &mut [u8]) {
+        let y = y * F::ROWS as u16;
         for run in self.tables.runs(y) {
             match run.kind {
                 RunKind::Right => self.span(source, Eye::Right, y, run, out, run.start as usize),

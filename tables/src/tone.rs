@@ -13,11 +13,11 @@ pub type Curve = [u8; 256];
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Channel {
-    /// Luma: Gray8, Yuyv, Uyvy.
+    /// Luma: Gray8, Yuyv, Uyvy, Nv12.
     Luma,
-    /// Blue difference: Yuyv, Uyvy.
+    /// Blue difference: Yuyv, Uyvy, Nv12.
     U,
-    /// Red difference: Yuyv, Uyvy.
+    /// Red difference: Yuyv, Uyvy, Nv12.
     V,
     /// Red: Rgb8, Rgb565, Rgb565Be.
     Red,

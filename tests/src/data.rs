@@ -70,7 +70,7 @@ pub fn pictures(folder: &Path) -> Vec<GrayImage> {
 pub fn luma(path: &Path) -> (Vec<u8>, [usize; 2]) {
     let (rgb, size) = picture(path);
     (
-        tectum_bake::convert::from_rgb8(tectum_bake::Format::Gray8, &rgb),
+        tectum_bake::convert::from_rgb8(tectum_bake::Format::Gray8, size[0] as usize, &rgb),
         size.map(usize::from),
     )
 }

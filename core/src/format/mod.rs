@@ -1,5 +1,6 @@
 //! Pixel formats: one module each, the loop over a run's pixels and what a pixel is.
 
+mod chroma420;
 mod display;
 mod gray8;
 mod rgb565;
@@ -11,6 +12,7 @@ use tectum_tables::{Channel, Ramp, Segments};
 use crate::kernel::{Position, Source};
 use crate::tone::Curves;
 
+pub use chroma420::{Chroma420, Nv12};
 pub use display::YuvRange;
 pub use gray8::Gray8;
 pub use rgb8::Rgb8;
@@ -26,8 +28,7 @@ pub use yuyv::{Packed422, Uyvy, Yuyv};
 ///
 /// **Without a new format**: [`Rgb8`] treats its channels alike, so BGR goes through it as it is
 /// (tone curves then apply to the channels in the order red, green, blue). Planes of equal size go
-/// through [`Gray8`] one by one. 4:2:0 in two planes (NV12) is turned into YUYV by whoever fills the
-/// frame buffer: each chroma row serves two luma rows.
+/// through [`Gray8`] one by one. 4:2:0 in two planes (NV12) goes through [`Gray8`] and [`Chroma420`].
 ///
 /// **A new one** that is a known one with its bytes in other places is a constant of
 /// [`Packed422`] or [`Packed565`] and an implementation of this trait, in one file; else it is a module
@@ -35,10 +36,13 @@ pub use yuyv::{Packed422, Uyvy, Yuyv};
 /// `convert.rs` and `reference/planes.rs` beside it say what its bytes mean; the differential tests then
 /// take it up by themselves. `tables/FORMAT.md` defines it.
 pub trait PixelFormat: Kernel + Copy + core::fmt::Debug {
-    /// Bytes to a pixel.
+    /// Bytes to a pixel, along a row.
     const BYTES_PER_PIXEL: usize;
     /// Widths must be a multiple of this many pixels.
     const PIXELS: usize = 1;
+    /// Rows of the picture that share a row of bytes. A height that is no multiple of it has as many
+    /// rows of bytes as if it were the next one.
+    const ROWS: usize = 1;
     /// Channels that may have tone curves, in the order of their curves.
     const CHANNELS: &'static [Channel];
     /// The channel that exposure is metered by.
@@ -78,6 +82,9 @@ pub trait Kernel {
     #[doc(hidden)]
     fn metered(bytes: &[u8]) -> Option<u8>;
 }
+
+/// Chroma of grey.
+const NEUTRAL: u8 = 128;
 
 /// A value within `[low, high]`.
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use tectum_tables::{Channel, Curve, Ramp, Segment, Segments};
 
-use super::{Kernel, PixelFormat, limited};
+use super::{Kernel, NEUTRAL, PixelFormat, limited};
 use crate::kernel::{Position, Source, bilinear, blend};
 use crate::tone::Curves;
 
@@ -34,9 +34,6 @@ impl PixelFormat for Uyvy {
     const METERED: Channel = Yuyv::METERED;
     const NAME: &'static str = "uyvy";
 }
-
-/// Chroma of grey.
-const NEUTRAL: u8 = 128;
 
 /// Where a pixel looks: whole pixels, and fractions in Q8.
 #[derive(Clone, Copy)]

@@ -11,7 +11,9 @@ use crate::{Frame, StitchError, Tables};
 ///
 /// # Invariant
 /// `data` holds a frame of the width and height that the table states for this eye, so every
-/// 2x2 box of pixels that [`Tables::parse`] let through lies inside `data`.
+/// 2x2 box of pixels that [`Tables::parse`] let through lies inside `data`, which ends with the last
+/// pixel. Where pixels share bytes, those of the upper left one do, and what a kernel finds beside them
+/// by [`Source::width`] and [`Spot::below_or_here`].
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
     data: &'a [u8],
@@ -105,6 +107,18 @@ impl Spot<'_> {
             below.byte(0),
             below.byte(pitch),
         ]
+    }
+
+    /// The place one row of bytes down, or this one in the last row, from which a stride leads out of
+    /// the frame.
+    #[inline(always)]
+    pub(crate) fn below_or_here(self) -> Self {
+        let below = self.below();
+        if below.pointer < self.source.data.as_ptr_range().end {
+            below
+        } else {
+            self
+        }
     }
 
     /// The place one row down.

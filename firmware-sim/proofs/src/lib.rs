@@ -9,8 +9,9 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 
 use tectum_core::{
-    AngularSize, BinaryAngle, Direction, Exposure, Eye, Frame, Gains, Lookup, Meter, Packed565,
-    Painter, PixelBox, PixelFormat, Sampler, Stitcher, Tables, Targets, Tone, View, YuvRange,
+    AngularSize, BinaryAngle, Chroma420, Direction, Exposure, Eye, Frame, Gains, Gray8, Lookup,
+    Meter, Nv12, Packed565, Painter, PixelBox, PixelFormat, Sampler, Stitcher, Tables, Targets,
+    Tone, View, YuvRange,
 };
 
 #[panic_handler]
@@ -63,6 +64,13 @@ fn try_stitch<F: PixelFormat>(out: &mut [u8]) -> Option<()> {
     stitcher.frame(&left, &right, out, black_box(8)).ok()?;
     stitcher.left_row(&left, row, out).ok()?;
     stitcher.right_row(&right, row, out).ok()
+}
+
+/// Stitches both planes of NV12, in every way to run.
+pub fn nv12(out: &mut [u8]) {
+    let _ = black_box(Nv12::new(bytes(), black_box(8), black_box(8), black_box(8)));
+    stitch::<Gray8>(out);
+    stitch::<Chroma420>(out);
 }
 
 /// Meters, and sets curves.

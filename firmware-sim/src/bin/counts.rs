@@ -5,8 +5,9 @@
 
 use tectum_board::{Counter, entry, exit_success};
 use tectum_core::{
-    BinaryAngle, Direction, Exposure, Eye, Gains, Gray8, Lookup, Meter, Painter, PixelFormat, Rgb8,
-    Rgb565, Sampler, StitchError, Stitcher, Tables, Targets, Tone, Yuyv,
+    BinaryAngle, Chroma420, Direction, Exposure, Eye, Gains, Gray8, Lookup, Meter, Painter,
+    PixelFormat, Rgb8, Rgb565, Rgb565Be, Sampler, StitchError, Stitcher, Tables, Targets, Tone,
+    Uyvy, Yuyv,
 };
 use tectum_firmware_sim::{data, log};
 use tectum_fixture::boxes::{self, BOXES, TOLERANCE};
@@ -30,15 +31,23 @@ fn main() -> ! {
     log_per_pixel("parse", &defmt::unwrap!(tables), instructions);
     count::<Gray8>(&mut counter, ROOM, Layout::Gray8);
     count::<Rgb565>(&mut counter, ROOM, Layout::Rgb565);
+    count::<Rgb565Be>(&mut counter, ROOM, Layout::Rgb565);
     count::<Yuyv>(&mut counter, ROOM, Layout::Yuyv);
+    count::<Uyvy>(&mut counter, ROOM, Layout::Yuyv);
+    count::<Chroma420>(&mut counter, ROOM, Layout::Gray8);
     count::<Rgb8>(&mut counter, ROOM, Layout::Rgb8);
     count_tone::<Gray8>(&mut counter, ROOM, Layout::Gray8);
     count_tone::<Rgb565>(&mut counter, ROOM, Layout::Rgb565);
+    count_tone::<Rgb565Be>(&mut counter, ROOM, Layout::Rgb565);
     count_tone::<Yuyv>(&mut counter, ROOM, Layout::Yuyv);
+    count_tone::<Uyvy>(&mut counter, ROOM, Layout::Yuyv);
+    count_tone::<Chroma420>(&mut counter, ROOM, Layout::Gray8);
     count_tone::<Rgb8>(&mut counter, ROOM, Layout::Rgb8);
     count_scales::<Gray8>(&mut counter, ROOM);
     count_scales::<Rgb565>(&mut counter, ROOM);
+    count_scales::<Rgb565Be>(&mut counter, ROOM);
     count_scales::<Yuyv>(&mut counter, ROOM);
+    count_scales::<Uyvy>(&mut counter, ROOM);
     count_scales::<Rgb8>(&mut counter, ROOM);
     count_lookup(&mut counter);
     count_targets(&mut counter);
@@ -134,17 +143,20 @@ fn count_tone<F: PixelFormat>(counter: &mut Counter, room: &mut [u8], layout: La
 
     let tables = defmt::unwrap!(Tables::parse(data::TONED));
     let (mut meter, mut exposure) = (Meter::new(), Exposure::new(Exposure::USUAL_RATE));
-    let (instructions, result) = counter.instructions(|| {
-        meter.read(&tables, Eye::Left, &left)?;
-        meter.read(&tables, Eye::Right, &right)?;
-        Ok::<_, StitchError>(exposure.update(&meter))
-    });
-    defmt::assert!(defmt::unwrap!(result));
-    let pairs = tables.meter_pairs().len();
-    log(&format_args!(
-        "{} metering {pairs} pairs {instructions} instructions/frame",
-        F::NAME
-    ));
+    // A plane of chroma has nothing to meter.
+    if F::CHANNELS.contains(&F::METERED) {
+        let (instructions, result) = counter.instructions(|| {
+            meter.read(&tables, Eye::Left, &left)?;
+            meter.read(&tables, Eye::Right, &right)?;
+            Ok::<_, StitchError>(exposure.update(&meter))
+        });
+        defmt::assert!(defmt::unwrap!(result));
+        let pairs = tables.meter_pairs().len();
+        log(&format_args!(
+            "{} metering {pairs} pairs {instructions} instructions/frame",
+            F::NAME
+        ));
+    }
     let (instructions, ()) = counter.instructions(|| tone.set(&tables, exposure.gains()));
     log(&format_args!(
         "{} curves {instructions} instructions/frame",

@@ -4,8 +4,8 @@
 
 use tectum_board::{entry, exit_success, high_water_bytes};
 use tectum_core::{
-    BinaryAngle, Direction, Exposure, Eye, Gray8, Lookup, Meter, Painter, PixelFormat, Rgb8,
-    Rgb565, StitchError, Stitcher, Tables, Targets, Tone, Yuyv,
+    BinaryAngle, Chroma420, Direction, Exposure, Eye, Gray8, Lookup, Meter, Painter, PixelFormat,
+    Rgb8, Rgb565, Rgb565Be, StitchError, Stitcher, Tables, Targets, Tone, Uyvy, Yuyv,
 };
 use tectum_firmware_sim::{data, log};
 use tectum_fixture::boxes::{self, BOXES, TOLERANCE};
@@ -21,7 +21,10 @@ fn main() -> ! {
     log(&format_args!("parse {bytes} bytes"));
     measure::<Gray8>(&tables, ROOM, Layout::Gray8);
     measure::<Rgb565>(&tables, ROOM, Layout::Rgb565);
+    measure::<Rgb565Be>(&tables, ROOM, Layout::Rgb565);
     measure::<Yuyv>(&tables, ROOM, Layout::Yuyv);
+    measure::<Uyvy>(&tables, ROOM, Layout::Yuyv);
+    measure::<Chroma420>(&tables, ROOM, Layout::Gray8);
     measure::<Rgb8>(&tables, ROOM, Layout::Rgb8);
     measure_exposure();
     measure_scales(ROOM);

@@ -5,7 +5,7 @@ mod common;
 use common::{Case, SMALL};
 use criterion::{BenchmarkGroup, Throughput, measurement::WallTime};
 use rayon::ThreadPool;
-use tectum_bake::{Format, bake, stitch_bands, with_format};
+use tectum_bake::{Plane, bake, stitch_bands, with_plane};
 use tectum_core::{Eye, Frame, PixelFormat, Sampler, Tables};
 
 const LARGE: Case = Case {
@@ -25,8 +25,8 @@ fn main() {
         let [width, height] = case.output_px.map(u64::from);
         group.throughput(Throughput::Elements(width * height));
         for (threads, pool) in &pools {
-            for format in Format::ALL {
-                with_format!(format, F => stitch::<F>(&mut group, &tables, threads, pool));
+            for plane in Plane::ALL {
+                with_plane!(plane, F => stitch::<F>(&mut group, &tables, threads, pool));
             }
         }
         group.finish();
@@ -43,12 +43,12 @@ fn stitch<F: PixelFormat + Sync>(
     let [width, height] = tables.source_size_px(Eye::Left).expect("a left eye");
     let stride = usize::from(width) * F::BYTES_PER_PIXEL;
     // No kernel's time depends on what the picture shows.
-    let data: Vec<u8> = (0..stride * usize::from(height))
+    let data: Vec<u8> = (0..stride * usize::from(height).div_ceil(F::ROWS))
         .map(|i| (i * 31 % 251) as u8)
         .collect();
     let frame = Frame::<F>::new(&data, width, height, stride).expect("a frame");
     let [columns, rows] = [tables.output_width_px(), tables.output_height_px()].map(usize::from);
-    let mut out = vec![0; columns * rows * F::BYTES_PER_PIXEL];
+    let mut out = vec![0; columns * rows.div_ceil(F::ROWS) * F::BYTES_PER_PIXEL];
     for (name, sampler) in [
         ("nearest", Sampler::Nearest),
         ("bilinear", Sampler::Bilinear),

@@ -4,13 +4,14 @@
 
 use crate::Format;
 
-/// `rgb` (three bytes a pixel, rows tightly packed) in another format. For YUYV and UYVY the chroma
-/// of a pair is its even pixel's, where the formats site it; an odd last pixel is dropped.
-pub fn from_rgb8(format: Format, rgb: &[u8]) -> Vec<u8> {
+/// `rgb` (three bytes a pixel, rows of `width_px` tightly packed) in another format. For YUYV and UYVY
+/// the chroma of a pair is its even pixel's, where the formats site it, and for NV12 that of a cell its
+/// upper left pixel's; an odd last pixel is dropped.
+pub fn from_rgb8(format: Format, width_px: usize, rgb: &[u8]) -> Vec<u8> {
     let pixels = rgb.as_chunks::<3>().0;
     match format {
         Format::Rgb565Be | Format::Uyvy => format
-            .swapped(&from_rgb8(format.unswapped(), rgb))
+            .swapped(&from_rgb8(format.unswapped(), width_px, rgb))
             .into_owned(),
         Format::Rgb8 => rgb.to_vec(),
         Format::Gray8 => pixels.iter().map(|p| luma(*p)).collect(),
@@ -30,13 +31,21 @@ pub fn from_rgb8(format: Format, rgb: &[u8]) -> Vec<u8> {
                 [luma(even), u, luma(odd), v]
             })
             .collect(),
+        Format::Nv12 => {
+            let upper = pixels.chunks_exact(width_px.max(1)).step_by(2);
+            let upper_left = upper.flat_map(|row| row.as_chunks::<2>().0);
+            let chroma = upper_left.flat_map(|&[pixel, _]| chroma(pixel));
+            pixels.iter().map(|p| luma(*p)).chain(chroma).collect()
+        }
     }
 }
 
-/// `bytes` in `format` as three bytes a pixel.
-pub fn to_rgb8(format: Format, bytes: &[u8]) -> Vec<u8> {
+/// `bytes` in `format`, rows of `width_px` tightly packed, as three bytes a pixel.
+pub fn to_rgb8(format: Format, width_px: usize, bytes: &[u8]) -> Vec<u8> {
     match format {
-        Format::Rgb565Be | Format::Uyvy => to_rgb8(format.unswapped(), &format.swapped(bytes)),
+        Format::Rgb565Be | Format::Uyvy => {
+            to_rgb8(format.unswapped(), width_px, &format.swapped(bytes))
+        }
         Format::Rgb8 => bytes.to_vec(),
         Format::Gray8 => bytes.iter().flat_map(|y| [*y; 3]).collect(),
         Format::Rgb565 => bytes
@@ -58,6 +67,18 @@ pub fn to_rgb8(format: Format, bytes: &[u8]) -> Vec<u8> {
             .iter()
             .flat_map(|&[y0, u, y1, v]| [y0, y1].map(|y| colour(y, u, v)).concat())
             .collect(),
+        Format::Nv12 => {
+            // Three bytes to two pixels; an odd last row has two of them.
+            let width = width_px.max(1);
+            let (luma, chroma) = bytes.split_at(2 * bytes.len() / (3 * width) * width);
+            let rows = luma.chunks_exact(width).enumerate();
+            rows.flat_map(|(y, row)| {
+                let cells = chroma.chunks_exact(width).nth(y / 2).unwrap_or_default();
+                let pairs = row.as_chunks::<2>().0.iter().zip(cells.as_chunks::<2>().0);
+                pairs.flat_map(|(pair, &[u, v])| pair.map(|y| colour(y, u, v)).concat())
+            })
+            .collect()
+        }
     }
 }
 
@@ -108,8 +129,9 @@ mod tests {
                 // Rounding of luma and both chromas, times up to 1.772.
                 (Format::Yuyv, 3),
                 (Format::Uyvy, 3),
+                (Format::Nv12, 3),
             ] {
-                let back = to_rgb8(format, &from_rgb8(format, &rgb));
+                let back = to_rgb8(format, 2, &from_rgb8(format, 2, &rgb));
                 for (a, b) in back.iter().zip(rgb) {
                     assert!(a.abs_diff(b) <= tolerance, "{format:?} {rgb:?} {back:?}");
                 }
@@ -121,18 +143,26 @@ mod tests {
     fn bytes_are_in_the_order_that_formats_name() {
         let rgb = [255, 0, 0, 0, 0, 255];
         let [y0, u, y1, v] = [76, 86, 29, 255];
-        assert_eq!(from_rgb8(Format::Yuyv, &rgb), [y0, u, y1, v]);
-        assert_eq!(from_rgb8(Format::Uyvy, &rgb), [u, y0, v, y1]);
-        assert_eq!(from_rgb8(Format::Rgb565, &rgb), [0, 0xf8, 0x1f, 0]);
-        assert_eq!(from_rgb8(Format::Rgb565Be, &rgb), [0xf8, 0, 0, 0x1f]);
+        assert_eq!(from_rgb8(Format::Yuyv, 2, &rgb), [y0, u, y1, v]);
+        assert_eq!(from_rgb8(Format::Uyvy, 2, &rgb), [u, y0, v, y1]);
+        assert_eq!(from_rgb8(Format::Rgb565, 2, &rgb), [0, 0xf8, 0x1f, 0]);
+        assert_eq!(from_rgb8(Format::Rgb565Be, 2, &rgb), [0xf8, 0, 0, 0x1f]);
+        // Three rows: the chroma of the second one is nobody's.
+        let three = [rgb, [9; 6], rgb].concat();
+        let nv12 = from_rgb8(Format::Nv12, 2, &three);
+        assert_eq!(nv12, [y0, y1, 9, 9, y0, y1, u, v, u, v]);
+        let back = to_rgb8(Format::Nv12, 2, &nv12);
+        let cells = [[y0, y1], [9, 9], [y0, y1]].concat();
+        let wanted: Vec<u8> = cells.iter().flat_map(|y| colour(*y, u, v)).collect();
+        assert_eq!(back, wanted);
     }
 
     #[test]
     fn grey_stays_grey() {
         for v in 0..=255 {
-            assert_eq!(from_rgb8(Format::Gray8, &[v; 3]), [v]);
+            assert_eq!(from_rgb8(Format::Gray8, 1, &[v; 3]), [v]);
             assert_eq!(
-                to_rgb8(Format::Yuyv, &from_rgb8(Format::Yuyv, &[v; 6])),
+                to_rgb8(Format::Yuyv, 2, &from_rgb8(Format::Yuyv, 2, &[v; 6])),
                 [v; 6]
             );
         }

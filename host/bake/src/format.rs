@@ -1,4 +1,4 @@
-//! The pixel formats of the core as a value, for tools that choose one at run time.
+//! The pixel formats of the core as values, for tools that choose one at run time.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use tectum_core::{Eye, Frame, Overlay, Painter, PixelFormat, Sampler, Stitcher, 
 use crate::StitchFailure;
 use crate::parallel::stitch_bands;
 
-/// A pixel format of the core.
+/// A format of pictures that the core stitches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -22,27 +22,50 @@ pub enum Format {
     Yuyv,
     /// [`tectum_core::Uyvy`].
     Uyvy,
+    /// A plane of [`tectum_core::Gray8`], then one of [`tectum_core::Chroma420`].
+    Nv12,
     /// [`tectum_core::Rgb8`].
     Rgb8,
 }
 
-/// `$body` with the core's type of the [`Format`] `$format` under the name `$type`: the one place
+/// A pixel format of the core: what a [`Format`] has one of in each of its planes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Plane {
+    /// [`tectum_core::Gray8`].
+    Gray8,
+    /// [`tectum_core::Rgb565`].
+    Rgb565,
+    /// [`tectum_core::Rgb565Be`].
+    Rgb565Be,
+    /// [`tectum_core::Yuyv`].
+    Yuyv,
+    /// [`tectum_core::Uyvy`].
+    Uyvy,
+    /// [`tectum_core::Chroma420`].
+    Chroma420,
+    /// [`tectum_core::Rgb8`].
+    Rgb8,
+}
+
+/// `$body` with the core's type of the [`Plane`] `$plane` under the name `$type`: the one place
 /// that says which is which.
 ///
 /// ```
-/// use tectum_bake::{Format, with_format};
+/// use tectum_bake::{Plane, with_plane};
 /// use tectum_core::PixelFormat;
 ///
-/// assert_eq!(with_format!(Format::Yuyv, F => F::NAME), "yuyv");
+/// assert_eq!(with_plane!(Plane::Yuyv, F => F::NAME), "yuyv");
 /// ```
 #[macro_export]
-macro_rules! with_format {
-    ($format:expr, $type:ident => $body:expr) => {
-        $crate::with_format!($format, $type => $body; Gray8 Rgb565 Rgb565Be Yuyv Uyvy Rgb8)
+macro_rules! with_plane {
+    ($plane:expr, $type:ident => $body:expr) => {
+        $crate::with_plane!(
+            $plane, $type => $body; Gray8 Rgb565 Rgb565Be Yuyv Uyvy Chroma420 Rgb8
+        )
     };
-    ($format:expr, $type:ident => $body:expr; $($name:ident)*) => {
-        match $format {
-            $($crate::Format::$name => {
+    ($plane:expr, $type:ident => $body:expr; $($name:ident)*) => {
+        match $plane {
+            $($crate::Plane::$name => {
                 type $type = ::tectum_core::$name;
                 $body
             })*
@@ -50,30 +73,85 @@ macro_rules! with_format {
     };
 }
 
+impl Plane {
+    /// All of them.
+    pub const ALL: [Plane; 7] = [
+        Plane::Gray8,
+        Plane::Rgb565,
+        Plane::Rgb565Be,
+        Plane::Yuyv,
+        Plane::Uyvy,
+        Plane::Chroma420,
+        Plane::Rgb8,
+    ];
+
+    /// Bytes from a row of bytes to the next, without padding.
+    pub fn row_bytes(self, width_px: usize) -> usize {
+        with_plane!(self, F => width_px * F::BYTES_PER_PIXEL)
+    }
+
+    /// Rows of bytes.
+    pub fn rows(self, height_px: usize) -> usize {
+        with_plane!(self, F => height_px.div_ceil(F::ROWS))
+    }
+
+    /// Bytes of this plane of a picture without padding.
+    pub fn bytes(self, [width_px, height_px]: [usize; 2]) -> usize {
+        self.row_bytes(width_px) * self.rows(height_px)
+    }
+}
+
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 6] = [
+    pub const ALL: [Format; 7] = [
         Format::Gray8,
         Format::Rgb565,
         Format::Rgb565Be,
         Format::Yuyv,
         Format::Uyvy,
+        Format::Nv12,
         Format::Rgb8,
     ];
 
     /// Name as written on command lines.
     pub fn name(self) -> &'static str {
-        with_format!(self, F => F::NAME)
+        match (self, self.planes()) {
+            (Self::Nv12, _) => "nv12",
+            (_, [plane, ..]) => with_plane!(plane, F => F::NAME),
+            (_, []) => "",
+        }
     }
 
-    /// Bytes to a pixel.
-    pub fn bytes_per_pixel(self) -> usize {
-        with_format!(self, F => F::BYTES_PER_PIXEL)
+    /// The planes of a picture, one behind the other.
+    pub const fn planes(self) -> &'static [Plane] {
+        match self {
+            Self::Gray8 => &[Plane::Gray8],
+            Self::Rgb565 => &[Plane::Rgb565],
+            Self::Rgb565Be => &[Plane::Rgb565Be],
+            Self::Yuyv => &[Plane::Yuyv],
+            Self::Uyvy => &[Plane::Uyvy],
+            Self::Nv12 => &[Plane::Gray8, Plane::Chroma420],
+            Self::Rgb8 => &[Plane::Rgb8],
+        }
+    }
+
+    /// Rows of the picture that share bytes, so that they are stitched together.
+    pub fn rows(self) -> usize {
+        let rows = |plane: &Plane| with_plane!(plane, F => F::ROWS);
+        self.planes().iter().map(rows).max().unwrap_or(1)
+    }
+
+    /// Bytes of a picture of this size, px, rows tightly packed.
+    pub fn picture_bytes(self, size_px: [usize; 2]) -> usize {
+        self.planes().iter().map(|plane| plane.bytes(size_px)).sum()
     }
 
     /// Whether pictures of this width can be held.
     pub fn holds_width(self, width_px: u16) -> bool {
-        usize::from(width_px).is_multiple_of(with_format!(self, F => F::PIXELS))
+        let holds = |plane: &Plane| {
+            usize::from(width_px).is_multiple_of(with_plane!(plane, F => F::PIXELS))
+        };
+        self.planes().iter().all(holds)
     }
 
     /// The format that has the two bytes of each pixel the other way round, for those that are
@@ -83,7 +161,7 @@ impl Format {
         match self {
             Self::Rgb565Be => Self::Rgb565,
             Self::Uyvy => Self::Yuyv,
-            Self::Gray8 | Self::Rgb565 | Self::Yuyv | Self::Rgb8 => self,
+            Self::Gray8 | Self::Rgb565 | Self::Yuyv | Self::Nv12 | Self::Rgb8 => self,
         }
     }
 
@@ -127,7 +205,12 @@ pub fn stitch(
     pass: Pass,
     pair: Pair<'_>,
 ) -> Result<Vec<u8>, StitchFailure> {
-    with_format!(format, F => stitch_as::<F>(tables, sampler, pass, pair))
+    by_planes(
+        tables,
+        format,
+        pair,
+        |plane, pair, out| with_plane!(plane, F => stitch_as::<F>(tables, sampler, pass, pair, out)),
+    )
 }
 
 /// Stitches a whole picture with the core on all threads of the present rayon pool: the same
@@ -141,7 +224,37 @@ pub fn stitch_parallel(
     sampler: Sampler,
     pair: Pair<'_>,
 ) -> Result<Vec<u8>, StitchFailure> {
-    with_format!(format, F => stitch_parallel_as::<F>(tables, sampler, pair))
+    by_planes(
+        tables,
+        format,
+        pair,
+        |plane, pair, out| with_plane!(plane, F => stitch_parallel_as::<F>(tables, sampler, pair, out)),
+    )
+}
+
+/// A picture whose planes `stitch` fills one by one.
+fn by_planes(
+    tables: &Tables<'_>,
+    format: Format,
+    pair: Pair<'_>,
+    stitch: impl Fn(Plane, Pair<'_>, &mut [u8]) -> Result<(), StitchFailure>,
+) -> Result<Vec<u8>, StitchFailure> {
+    let size_px = [tables.output_width_px(), tables.output_height_px()].map(usize::from);
+    let mut out = vec![0; format.picture_bytes(size_px)];
+    let mut rest = out.as_mut_slice();
+    let mut sources = [(Eye::Left, pair.left), (Eye::Right, pair.right)];
+    for plane in format.planes() {
+        let (here, after) = rest.split_at_mut(plane.bytes(size_px));
+        rest = after;
+        let [(_, left), (_, right)] = sources;
+        stitch(*plane, Pair { left, right }, here)?;
+        for (eye, bytes) in &mut sources {
+            let size_px = tables.source_size_px(*eye).unwrap_or_default();
+            let used = plane.bytes(size_px.map(usize::from));
+            *bytes = bytes.get(used..).unwrap_or_default();
+        }
+    }
+    Ok(out)
 }
 
 /// Draws an overlay over a picture of its size, rows tightly packed, with the core.
@@ -153,7 +266,18 @@ pub fn draw_overlay(
     format: Format,
     picture: &mut [u8],
 ) -> Result<(), StitchFailure> {
-    with_format!(format, F => draw_overlay_as::<F>(overlay, picture))
+    let size_px = overlay.size_px().map(usize::from);
+    if picture.len() != format.picture_bytes(size_px) {
+        let expected = format.planes()[0].row_bytes(size_px[0]);
+        return Err(tectum_core::StitchError::OutputLength { expected }.into());
+    }
+    let mut rest = picture;
+    for plane in format.planes() {
+        let (here, after) = rest.split_at_mut(plane.bytes(size_px));
+        rest = after;
+        with_plane!(plane, F => draw_overlay_as::<F>(overlay, here))?;
+    }
+    Ok(())
 }
 
 fn draw_overlay_as<F: PixelFormat>(
@@ -161,12 +285,7 @@ fn draw_overlay_as<F: PixelFormat>(
     picture: &mut [u8],
 ) -> Result<(), StitchFailure> {
     let painter = Painter::<F>::new(*overlay);
-    let [width, height] = overlay.size_px().map(usize::from);
-    let row_bytes = width * F::BYTES_PER_PIXEL;
-    if picture.len() != row_bytes * height {
-        let expected = row_bytes;
-        return Err(tectum_core::StitchError::OutputLength { expected }.into());
-    }
+    let row_bytes = usize::from(overlay.size_px()[0]) * F::BYTES_PER_PIXEL;
     for (y, row) in (0..).zip(picture.chunks_exact_mut(row_bytes)) {
         painter.row(y, row)?;
     }
@@ -178,13 +297,13 @@ fn stitch_as<F: PixelFormat>(
     sampler: Sampler,
     pass: Pass,
     pair: Pair<'_>,
-) -> Result<Vec<u8>, StitchFailure> {
+    out: &mut [u8],
+) -> Result<(), StitchFailure> {
     let stitcher = Stitcher::<F>::new(tables, sampler)?;
     let [left, right] = frames::<F>(tables, pair)?;
     let row_bytes = stitcher.row_bytes();
-    let mut out = vec![0; row_bytes * usize::from(tables.output_height_px())];
     match pass {
-        Pass::Both => stitcher.frame(&left, &right, &mut out, row_bytes)?,
+        Pass::Both => stitcher.frame(&left, &right, out, row_bytes)?,
         Pass::OneEyeAtATime => {
             for (y, row) in out.chunks_exact_mut(row_bytes).enumerate() {
                 stitcher.left_row(&left, y as u16, row)?;
@@ -194,19 +313,18 @@ fn stitch_as<F: PixelFormat>(
             }
         }
     }
-    Ok(out)
+    Ok(())
 }
 
 fn stitch_parallel_as<F: PixelFormat + Sync>(
     tables: &Tables<'_>,
     sampler: Sampler,
     pair: Pair<'_>,
-) -> Result<Vec<u8>, StitchFailure> {
+    out: &mut [u8],
+) -> Result<(), StitchFailure> {
     let [left, right] = frames::<F>(tables, pair)?;
-    let row_bytes = usize::from(tables.output_width_px()) * F::BYTES_PER_PIXEL;
-    let mut out = vec![0; row_bytes * usize::from(tables.output_height_px())];
-    stitch_bands(tables, sampler, &left, &right, &mut out)?;
-    Ok(out)
+    stitch_bands(tables, sampler, &left, &right, out)?;
+    Ok(())
 }
 
 fn frames<'a, F: PixelFormat>(

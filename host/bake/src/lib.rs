@@ -24,7 +24,7 @@ mod verify;
 
 pub use bake::{BakeError, BakeOptions, Baked, Bytes, ErrorSummary, Owners, Report, bake};
 pub use fitted_range::{FitRangeError, fitted_range};
-pub use format::{Format, Pair, Pass, draw_overlay, stitch, stitch_parallel};
+pub use format::{Format, Pair, Pass, Plane, draw_overlay, stitch, stitch_parallel};
 pub use mesh_cost::mesh_bytes;
 pub use output_map::output_map;
 pub use parallel::stitch_bands;

@@ -21,7 +21,8 @@ pub fn stitch_bands<F: PixelFormat + Sync>(
 ) -> Result<(), StitchError> {
     let stitcher = Stitcher::<F>::new(tables, sampler)?;
     let row_bytes = stitcher.row_bytes();
-    if out.len() != row_bytes * usize::from(tables.output_height_px()) {
+    let rows = usize::from(tables.output_height_px()).div_ceil(F::ROWS);
+    if out.len() != row_bytes * rows {
         return Err(StitchError::OutputLength {
             expected: row_bytes,
         });

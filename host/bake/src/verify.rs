@@ -84,7 +84,7 @@ pub fn verify(
         .filter(|format| fits(tables, *format))
         .map(|format| compare(tables, format, rgb))
         .collect::<Result<_, _>>()?;
-    let [left, right] = [rgb.left, rgb.right].map(|rgb| from_rgb8(Format::Gray8, rgb));
+    let [left, right] = [rgb.left, rgb.right].map(|rgb| from_rgb8(Format::Gray8, 1, rgb));
     let luma = Pair {
         left: &left,
         right: &right,
@@ -125,7 +125,12 @@ fn compare(
     format: Format,
     rgb: Pair<'_>,
 ) -> Result<FormatResult, StitchFailure> {
-    let [left, right] = [rgb.left, rgb.right].map(|rgb| from_rgb8(format, rgb));
+    let picture = |eye, rgb| {
+        let [width, _] = tables.source_size_px(eye).unwrap_or_default();
+        from_rgb8(format, width.into(), rgb)
+    };
+    let left = picture(Eye::Left, rgb.left);
+    let right = picture(Eye::Right, rgb.right);
     let pair = Pair {
         left: &left,
         right: &right,

@@ -118,8 +118,7 @@ fn draws_what_the_definition_says(sizes: &[([u16; 2], f64)]) {
             let scales = Scales::new(&map, step_deg).unwrap();
             let overlay = Overlay::parse(&scales.bytes, map.size_px).unwrap();
             for format in Format::ALL {
-                let pixels = usize::from(size[0]) * usize::from(size[1]);
-                let picture = noise(pixels * format.bytes_per_pixel());
+                let picture = noise(format.picture_bytes(size.map(usize::from)));
                 let expected = overlay::draw(&overlay, format, &picture);
                 let mut core = picture.clone();
                 draw_overlay(&overlay, format, &mut core).unwrap();

@@ -68,7 +68,7 @@ pub fn to_core<'a>(
                 Format::Yuyv => jpeg::to_yuyv(frame.data, size_px)?,
                 _ => jpeg::to_rgb8(frame.data, size_px, full_range)?,
             };
-            Ok((scratch, width * format.bytes_per_pixel()))
+            Ok((scratch, format.picture_bytes([width, 1])))
         }
     }
 }
@@ -91,7 +91,7 @@ pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
     let (data, stride) = to_core(frame, &mut scratch)?;
     let format = frame.format.core_format();
     let [width, height] = frame.format.size_px.map(usize::from);
-    let row = width * format.bytes_per_pixel();
+    let row = format.picture_bytes([width, 1]);
     let packed: Cow<'_, [u8]> = if stride == row {
         Cow::Borrowed(&data[..row * height])
     } else {
@@ -104,17 +104,21 @@ pub fn to_rgb8(frame: &Frame<'_>) -> Result<Vec<u8>, NotDecodable> {
         )
     };
     Ok(match format {
-        Format::Yuyv if !frame.format.full_range => {
-            core_to_rgb8(format, &expanded(&packed, [wider_luma, wider_chroma]))
-        }
-        Format::Uyvy if !frame.format.full_range => {
-            core_to_rgb8(format, &expanded(&packed, [wider_chroma, wider_luma]))
-        }
+        Format::Yuyv if !frame.format.full_range => core_to_rgb8(
+            format,
+            width,
+            &expanded(&packed, [wider_luma, wider_chroma]),
+        ),
+        Format::Uyvy if !frame.format.full_range => core_to_rgb8(
+            format,
+            width,
+            &expanded(&packed, [wider_chroma, wider_luma]),
+        ),
         Format::Gray8 if !frame.format.full_range => {
             let wide: Vec<u8> = packed.iter().map(|value| wider_luma(*value)).collect();
-            core_to_rgb8(format, &wide)
+            core_to_rgb8(format, width, &wide)
         }
-        _ => core_to_rgb8(format, &packed),
+        _ => core_to_rgb8(format, width, &packed),
     })
 }
 

@@ -1,6 +1,6 @@
 //! Stitching of frames as they come.
 
-use tectum_bake::{Format, StitchFailure, stitch_bands, with_format};
+use tectum_bake::{Format, StitchFailure, stitch_bands, with_plane};
 use tectum_core::{Eye, Frame as CoreFrame, PixelFormat, Sampler, Tables};
 
 use tectum_tables::RunKind;
@@ -52,6 +52,7 @@ impl<'t> LiveStitcher<'t> {
             Format::Rgb565Be => Layout::Rgb565Be,
             Format::Yuyv => Layout::Yuyv,
             Format::Uyvy => Layout::Uyvy,
+            Format::Nv12 => Layout::Nv12,
             Format::Rgb8 => Layout::Rgb24,
         }
     }
@@ -138,7 +139,11 @@ impl<'t> LiveStitcher<'t> {
     }
 
     fn stitch_pair(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {
-        with_format!(pair.left.format.core_format(), F => self.stitch_as::<F>(pair))
+        // NV12, of two planes, is unpacked: a panorama with chroma in every row.
+        let [plane, ..] = pair.left.format.core_format().planes() else {
+            return Ok(false);
+        };
+        with_plane!(plane, F => self.stitch_as::<F>(pair))
     }
 
     fn stitch_as<F: PixelFormat + Sync>(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {

@@ -65,7 +65,7 @@ fn every_layout_gives_the_bytes_of_the_core() {
         (Layout::Rgb565Be, Format::Rgb565Be),
         (Layout::Rgb24, Format::Rgb8),
     ] {
-        let eyes = [31, 57].map(|seed| from_rgb8(format, &rgb(seed)));
+        let eyes = [31, 57].map(|seed| from_rgb8(format, SIDE.into(), &rgb(seed)));
         let pair = tectum_bake::Pair {
             left: &eyes[0],
             right: &eyes[1],

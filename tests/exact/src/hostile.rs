@@ -1,8 +1,9 @@
 //! Runs tables that nobody vouches for. Needs the core alone: the fuzz target builds this file, too.
 
 use tectum_core::{
-    AngularSize, Exposure, Eye, Frame, Gray8, Lookup, Meter, Painter, PixelBox, PixelFormat, Rgb8,
-    Rgb565, Rgb565Be, Sampler, Stitcher, TableError, Tables, Targets, Tone, Uyvy, View, Yuyv,
+    AngularSize, Chroma420, Exposure, Eye, Frame, Gray8, Lookup, Meter, Painter, PixelBox,
+    PixelFormat, Rgb8, Rgb565, Rgb565Be, Sampler, Stitcher, TableError, Tables, Targets, Tone,
+    Uyvy, View, Yuyv,
 };
 
 /// Parses `bytes`; a table that parses is run in every format and sampler over frames of exactly
@@ -28,6 +29,7 @@ pub fn parse_and_run(bytes: &[u8]) -> Result<(), TableError> {
     run::<Rgb565Be>(&tables, sources);
     run::<Yuyv>(&tables, sources);
     run::<Uyvy>(&tables, sources);
+    run::<Chroma420>(&tables, sources);
     run::<Rgb8>(&tables, sources);
     let lookup = Lookup::new(&tables);
     for pixel in [[0, 0], [i32::MIN, i32::MAX], [12_345, 678], [-128, -128]] {
@@ -72,7 +74,10 @@ fn pixels([width, height]: [u16; 2]) -> usize {
 
 /// Stitches a picture both ways, the second time with what metering gives. Formats that do not fit the sizes are refused, which is fine.
 fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
-    let data = sources.map(|size| vec![1; pixels(size) * F::BYTES_PER_PIXEL]);
+    let data = sources.map(|size| {
+        let rows = usize::from(size[1]).div_ceil(F::ROWS);
+        vec![1; usize::from(size[0]) * F::BYTES_PER_PIXEL * rows]
+    });
     let frame = |i: usize| {
         let [width, height] = sources[i];
         Frame::<F>::new(
@@ -97,7 +102,7 @@ fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
             return;
         };
         let mut row = vec![0; stitcher.row_bytes()];
-        for y in 0..tables.output_height_px() {
+        for y in 0..tables.output_height_px().div_ceil(F::ROWS as u16) {
             let _ = stitcher.row(&left, &right, y, &mut row);
             let stitcher = stitcher.with_tone(&tone);
             let _ = stitcher.left_row(&left, y, &mut row);

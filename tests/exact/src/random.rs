@@ -24,7 +24,7 @@ pub fn frame(rng: &mut ChaCha8Rng, bytes: usize) -> Vec<u8> {
 /// metering pairs and an overlay or none.
 pub fn table(rng: &mut ChaCha8Rng, max_px: [u16; 2]) -> TableBuilder {
     let size = max_px.map(|side| rng.random_range(1..=side));
-    let source = [0, 0].map(|_| rng.random_range(1..=20u16) * 2);
+    let source = [rng.random_range(1..=20u16) * 2, rng.random_range(2..=40)];
     TableBuilder {
         output_size_px: size,
         rig_fingerprint: rng.random(),

@@ -10,7 +10,7 @@ fn core_equals_reference(seed: u64, max_px: [u16; 2], formats: &[Format]) {
     let mut rng = rng(seed);
     let bytes = table(&mut rng, max_px).to_bytes().expect("few runs");
     let tables = Tables::parse(&bytes).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
-    let [width, height] = tables
+    let source_px = tables
         .source_size_px(Eye::Left)
         .expect("both eyes")
         .map(usize::from);
@@ -18,7 +18,7 @@ fn core_equals_reference(seed: u64, max_px: [u16; 2], formats: &[Format]) {
         .iter()
         .filter(|f| f.holds_width(tables.output_width_px()))
     {
-        let length = width * height * format.bytes_per_pixel();
+        let length = format.picture_bytes(source_px);
         let [left, right] = [frame(&mut rng, length), frame(&mut rng, length)];
         let pair = Pair {
             left: &left,

@@ -269,6 +269,7 @@ fn gains_act_as_a_table_with_the_same_curves() {
         formats::<tectum_core::Rgb565Be>(&mut rng, &tables, &baked, gains, seed);
         formats::<tectum_core::Yuyv>(&mut rng, &tables, &baked, gains, seed);
         formats::<tectum_core::Uyvy>(&mut rng, &tables, &baked, gains, seed);
+        formats::<tectum_core::Chroma420>(&mut rng, &tables, &baked, gains, seed);
     }
 }
 
@@ -297,7 +298,7 @@ fn formats<F: tectum_core::PixelFormat>(
     let [width, height] = tables.source_size_px(Eye::Left).expect("both eyes");
     let stride = usize::from(width) * F::BYTES_PER_PIXEL;
     let bytes = [0, 1].map(|_| {
-        let mut bytes = vec![0; stride * usize::from(height)];
+        let mut bytes = vec![0; stride * usize::from(height).div_ceil(F::ROWS)];
         rng.fill_bytes(&mut bytes);
         bytes
     });
@@ -311,7 +312,7 @@ fn formats<F: tectum_core::PixelFormat>(
     let with_table = Stitcher::new(baked, Sampler::Bilinear).expect("the same width");
     let [mut by_gains, mut by_table, mut by_eyes] =
         [0, 1, 2].map(|_| vec![0; stitcher.row_bytes()]);
-    for y in 0..tables.output_height_px() {
+    for y in 0..tables.output_height_px().div_ceil(F::ROWS as u16) {
         with_gains
             .row(&left, &right, y, &mut by_gains)
             .expect("sizes fit");
@@ -351,6 +352,7 @@ fn identity_curves_and_gains_of_one_change_no_byte() {
             formats::<tectum_core::Rgb565Be>(&mut rng, &same, &plain, gains, seed);
             formats::<tectum_core::Yuyv>(&mut rng, &same, &plain, gains, seed);
             formats::<tectum_core::Uyvy>(&mut rng, &same, &plain, gains, seed);
+            formats::<tectum_core::Chroma420>(&mut rng, &same, &plain, gains, seed);
         }
     }
 }

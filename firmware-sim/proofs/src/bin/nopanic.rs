@@ -3,8 +3,8 @@
 #![no_main]
 
 use tectum_board::{entry, exit_success};
-use tectum_core::{Gray8, Rgb8, Rgb565, Rgb565Be, Uyvy, Yuyv};
-use tectum_proofs::{display, exposure, lookup, overlay, stitch, targets};
+use tectum_core::{Chroma420, Gray8, Rgb8, Rgb565, Rgb565Be, Uyvy, Yuyv};
+use tectum_proofs::{display, exposure, lookup, nv12, overlay, stitch, targets};
 
 #[entry]
 fn main() -> ! {
@@ -14,19 +14,23 @@ fn main() -> ! {
     stitch::<Rgb565Be>(ROOM);
     stitch::<Yuyv>(ROOM);
     stitch::<Uyvy>(ROOM);
+    stitch::<Chroma420>(ROOM);
     stitch::<Rgb8>(ROOM);
     exposure::<Gray8>();
     exposure::<Rgb565>();
     exposure::<Rgb565Be>();
     exposure::<Yuyv>();
     exposure::<Uyvy>();
+    exposure::<Chroma420>();
     exposure::<Rgb8>();
     overlay::<Gray8>(ROOM);
     overlay::<Rgb565>(ROOM);
     overlay::<Rgb565Be>(ROOM);
     overlay::<Yuyv>(ROOM);
     overlay::<Uyvy>(ROOM);
+    overlay::<Chroma420>(ROOM);
     overlay::<Rgb8>(ROOM);
+    nv12(ROOM);
     display::<false>(ROOM);
     display::<true>(ROOM);
     lookup();

@@ -11,3 +11,9 @@ mod tone;
 
 pub use planes::Planes;
 pub use position::position_q8;
+
+/// Whether all planes but the first one hold chroma.
+fn has_chroma(format: crate::Format) -> bool {
+    use crate::Format::{Nv12, Uyvy, Yuyv};
+    matches!(format, Yuyv | Uyvy | Nv12)
+}

@@ -2,6 +2,7 @@
 
 use tectum_tables::{BAND_ROWS, LINE_UNITS, Overlay, OverlayLine};
 
+use super::has_chroma;
 use super::planes::Planes;
 use crate::Format;
 
@@ -15,19 +16,15 @@ pub fn draw(overlay: &Overlay<'_>, format: Format, picture: &[u8]) -> Vec<u8> {
     let edge = covered(overlay, 1);
     let mut planes = Planes::decode(format, size, picture);
     let format_of_planes = format.unswapped();
-    let shown = if format_of_planes == Format::Yuyv {
-        1
-    } else {
-        3
-    };
-    for (i, (_, plane)) in planes.planes.iter_mut().enumerate().take(shown) {
+    let shown = if has_chroma(format) { 1 } else { 3 };
+    for (i, plane) in planes.planes.iter_mut().enumerate().take(shown) {
         let depth = match (format_of_planes, i) {
             (Format::Rgb565, 1) => 6,
             (Format::Rgb565, _) => 5,
             _ => 8,
         };
         let level = |limit: u8| f64::from(limit >> (8 - depth));
-        for (value, (light, edge)) in plane.iter_mut().zip(light.iter().zip(&edge)) {
+        for (value, (light, edge)) in plane.values.iter_mut().zip(light.iter().zip(&edge)) {
             if *edge {
                 *value = value.min(level(overlay.dark()));
             }

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use tectum_core::{Eye, Sampler, Tables};
 use tectum_tables::RunKind;
 
+use super::has_chroma;
 use super::planes::Planes;
 use super::position::{position_q8, round};
 use super::tone::toned;
@@ -23,8 +24,18 @@ pub fn stitch(tables: &Tables<'_>, format: Format, sampler: Sampler, pair: Pair<
     let rows = (0..height)
         .into_par_iter()
         .map(|y| row(tables, &eyes, format, sampler, usize::from(y)));
-    let bytes: Vec<Vec<u8>> = rows.map(|row| row.encode(format)).collect();
-    bytes.concat()
+    let rows: Vec<Planes> = rows.collect();
+    let size_px = [tables.output_width_px(), height].map(usize::from);
+    let mut out = Planes::decode(format, size_px, &vec![0; format.picture_bytes(size_px)]);
+    for (channel, plane) in out.planes.iter_mut().enumerate() {
+        // The first of the rows that share values gives them.
+        let rows = rows.iter().step_by(plane.cell_px[1]);
+        plane.values = rows
+            .flat_map(|row| &row.planes[channel].values)
+            .copied()
+            .collect();
+    }
+    out.encode(format)
 }
 
 fn row(
@@ -35,7 +46,7 @@ fn row(
     y: usize,
 ) -> Planes {
     let width = usize::from(tables.output_width_px());
-    let blank = vec![0; width * format.bytes_per_pixel()];
+    let blank = vec![0; format.picture_bytes([width, 1])];
     let mut out = Planes::decode(format, [width, 1], &blank);
     for run in tables.runs(y as u16) {
         let mut ramp = match run.kind {
@@ -53,17 +64,19 @@ fn row(
                 let position = || position_q8(tables, eye, x, y).expect("runs lie in the mesh");
                 shown.contains(&eye).then(position)
             });
-            for (channel, (plane_width, plane)) in out.planes.iter_mut().enumerate() {
-                let Some(i) = plane_index(x, *plane_width, width) else {
+            for (channel, plane) in out.planes.iter_mut().enumerate() {
+                // The other pixels of a pair have no chroma of their own.
+                if !x.is_multiple_of(plane.cell_px[0]) {
                     continue;
-                };
+                }
+                let i = x / plane.cell_px[0];
                 let value = |eye: Eye| {
                     let planes = eyes[eye as usize].as_ref().expect("runs show known eyes");
                     let at = positions[eye as usize].expect("asked for where it is shown");
                     let value = sample(planes, channel, at, sampler);
                     toned(tables, eye, format, channel, value)
                 };
-                plane[i] = match run.kind {
+                plane.values[i] = match run.kind {
                     RunKind::Void => background(format, channel),
                     RunKind::Left => value(Eye::Left),
                     RunKind::Right => value(Eye::Right),
@@ -81,15 +94,8 @@ fn row(
     out
 }
 
-/// Where column x of a row lies in a plane of it; `None` if this pixel does not set it (the odd
-/// pixel of a pair has no chroma of its own).
-fn plane_index(x: usize, plane_width: usize, width: usize) -> Option<usize> {
-    let step = width / plane_width;
-    x.is_multiple_of(step).then_some(x / step)
-}
-
 fn background(format: Format, channel: usize) -> f64 {
-    if format.unswapped() == Format::Yuyv && channel > 0 {
+    if has_chroma(format) && channel > 0 {
         128.0
     } else {
         0.0
@@ -98,14 +104,17 @@ fn background(format: Format, channel: usize) -> f64 {
 
 /// Value of a channel at a position, rounded half up.
 fn sample(planes: &Planes, channel: usize, at_q8: [i32; 2], sampler: Sampler) -> f64 {
-    let (width, plane) = &planes.planes[channel];
-    let step = planes.size_px[0] / width;
-    let get = |x: i32, y: i32| plane[y as usize * width + (x as usize).min(width - 1)];
+    let plane = &planes.planes[channel];
+    let [step_x, step_y] = plane.cell_px.map(|px| px as i32);
+    let (width, height) = (plane.width, plane.values.len() / plane.width);
+    let get = |x: i32, y: i32| {
+        plane.values[(y as usize).min(height - 1) * width + (x as usize).min(width - 1)]
+    };
     let [x, y] = at_q8;
     match sampler {
-        Sampler::Nearest => get(((x + 128) >> 8) / step as i32, (y + 128) >> 8),
+        Sampler::Nearest => get(((x + 128) >> 8) / step_x, ((y + 128) >> 8) / step_y),
         Sampler::Bilinear => {
-            let x = x / step as i32;
+            let [x, y] = [x / step_x, y / step_y];
             let [fx, fy] = [x, y].map(|v| f64::from(v & 255) / 256.0);
             let [x, y] = [x >> 8, y >> 8];
             let upper = (1.0 - fx) * get(x, y) + fx * get(x + 1, y);

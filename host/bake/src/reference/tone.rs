@@ -12,7 +12,7 @@ fn channels(format: Format) -> &'static [Channel] {
         Format::Rgb8 | Format::Rgb565 | Format::Rgb565Be => {
             &[Channel::Red, Channel::Green, Channel::Blue]
         }
-        Format::Yuyv | Format::Uyvy => &[Channel::Luma, Channel::U, Channel::V],
+        Format::Yuyv | Format::Uyvy | Format::Nv12 => &[Channel::Luma, Channel::U, Channel::V],
     }
 }
 
@@ -39,13 +39,15 @@ pub(super) fn toned(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::with_format;
+    use crate::with_plane;
     use tectum_core::PixelFormat;
 
     #[test]
     fn planes_are_the_channels_of_the_core() {
         for format in Format::ALL {
-            let core = with_format!(format, F => F::CHANNELS);
+            let planes = format.planes().iter();
+            let core = planes.flat_map(|plane| with_plane!(plane, F => F::CHANNELS));
+            let core: Vec<Channel> = core.copied().collect();
             assert_eq!(channels(format), core, "{format:?}");
         }
     }

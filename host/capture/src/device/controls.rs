@@ -34,8 +34,9 @@ pub struct ControlSettings {
 }
 
 impl ControlSettings {
-    /// Sets them on a device, with the automatics off.
-    pub(super) fn apply(&self, device: &Device) -> io::Result<()> {
+    /// Sets them on a device, with the automatics off, and reads them back: drivers round what they are
+    /// given to steps of their own.
+    pub(super) fn apply(&self, device: &Device) -> io::Result<Self> {
         if let Some(exposure) = self.exposure {
             set_if_there(device, AUTO_EXPOSURE, Value::Integer(MANUAL_EXPOSURE))?;
             set_if_there(device, DYNAMIC_FRAME_RATE, Value::Boolean(false))?;
@@ -49,7 +50,14 @@ impl ControlSettings {
             set_if_there(device, AUTO_WHITE_BALANCE, Value::Boolean(false))?;
             set(device, WHITE_BALANCE_K, kelvin)?;
         }
-        Ok(())
+        let has = Self::of(device);
+        Ok(Self {
+            exposure: self.exposure.map(|asked| has.exposure.unwrap_or(asked)),
+            gain: self.gain.map(|asked| has.gain.unwrap_or(asked)),
+            white_balance_k: self
+                .white_balance_k
+                .map(|asked| has.white_balance_k.unwrap_or(asked)),
+        })
     }
 
     /// What a device has now, of those that it has.
@@ -111,10 +119,35 @@ impl fmt::Display for ControlSettings {
     }
 }
 
+/// What cameras have, in words; once where they agree.
+pub(super) fn words(present: &[ControlSettings]) -> String {
+    let mut each: Vec<String> = present.iter().map(ControlSettings::to_string).collect();
+    each.dedup();
+    each.join("; ")
+}
+
+/// What came of setting controls.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Locked {
+    /// What all cameras were given; nothing, where they have no such controls.
+    pub asked: ControlSettings,
+    /// What each camera has of that, read back from it.
+    pub has: Vec<ControlSettings>,
+}
+
+impl fmt::Display for Locked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&words(&self.has))?;
+        if self.has.iter().any(|has| *has != self.asked) {
+            write!(f, " (asked for was {})", self.asked)?;
+        }
+        Ok(())
+    }
+}
+
 /// Gives all of these cameras the same exposure, gain and white balance and turns their automatics
 /// off: the `asked` values and, with `the_rest_too`, for the others what the first has at this
-/// moment, where all have it; then none may lower its frame rate in the dark either. What was set;
-/// nothing, where the cameras have no such controls.
+/// moment, where all have it; then none may lower its frame rate in the dark either.
 ///
 /// # Errors
 /// [`CaptureError::NotOffered`] if an asked value is refused.
@@ -122,7 +155,7 @@ pub fn lock_together(
     cameras: &mut [&mut Camera],
     asked: ControlSettings,
     the_rest_too: bool,
-) -> Result<ControlSettings, CaptureError> {
+) -> Result<Locked, CaptureError> {
     let open = |camera: &&mut Camera| {
         let path: &Path = &camera.path;
         Device::with_path(path).map_err(|e| failure::of(path, "opening its controls", e))
@@ -139,15 +172,20 @@ pub fn lock_together(
         gain: asked.gain.or(common.gain),
         white_balance_k: asked.white_balance_k.or(common.white_balance_k),
     };
+    let mut all = Vec::new();
     for (device, camera) in devices.iter().zip(cameras) {
-        settings
+        let has = settings
             .apply(device)
             .map_err(|_| CaptureError::NotOffered {
                 name: camera.name.clone(),
                 wanted: format!("the controls: {settings}"),
                 offered: format!("  now: {}\n", ControlSettings::of(device)),
             })?;
-        camera.keep_controls(settings);
+        camera.keep_controls(settings, has);
+        all.push(has);
     }
-    Ok(settings)
+    Ok(Locked {
+        asked: settings,
+        has: all,
+    })
 }

@@ -8,6 +8,7 @@ use std::time::Duration;
 use v4l::Device;
 
 use super::ControlSettings;
+use super::controls::words;
 use crate::Health;
 use crate::preview::{Controls, Eyes, Outcome, lock};
 
@@ -153,14 +154,8 @@ fn open(path: &Path) -> Result<Device, String> {
 
 fn apply(path: &Path, settings: &ControlSettings) -> Result<(), String> {
     let done = settings.apply(&open(path)?);
-    done.map_err(|error| format!("{}: the camera refuses this: {error}", path.display()))
-}
-
-/// What cameras have, in words; once where they agree.
-fn words(present: &[ControlSettings]) -> String {
-    let mut each: Vec<String> = present.iter().map(ControlSettings::to_string).collect();
-    each.dedup();
-    each.join("; ")
+    done.map(drop)
+        .map_err(|error| format!("{}: the camera refuses this: {error}", path.display()))
 }
 
 #[cfg(test)]

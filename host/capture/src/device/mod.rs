@@ -11,7 +11,7 @@ mod list;
 mod live;
 mod negotiate;
 
-pub use controls::{ControlSettings, lock_together};
+pub use controls::{ControlSettings, Locked, lock_together};
 pub use list::{Listed, list, stable_names};
 pub use live::LiveControls;
 pub use negotiate::Wanted;
@@ -51,7 +51,9 @@ pub struct Camera {
     wanted: Wanted,
     format: FrameFormat,
     period_ns: Option<u64>,
+    /// What is set whenever the camera comes back, and what it has of that.
     controls: ControlSettings,
+    has: ControlSettings,
     open: Option<Opened>,
     failed: bool,
     pause: Duration,
@@ -105,6 +107,7 @@ impl Camera {
             format: agreed.format,
             period_ns: agreed.period_ns,
             controls: ControlSettings::default(),
+            has: ControlSettings::default(),
             open: Some(opened),
             failed: false,
             pause: RETRY,
@@ -120,9 +123,11 @@ impl Camera {
         &self.product
     }
 
-    /// Controls that are set again whenever the camera comes back.
-    pub fn keep_controls(&mut self, controls: ControlSettings) {
-        self.controls = controls;
+    /// Controls that are set again whenever the camera comes back, and what the camera made of them,
+    /// which recordings state.
+    pub fn keep_controls(&mut self, asked: ControlSettings, has: ControlSettings) {
+        self.controls = asked;
+        self.has = has;
     }
 
     /// One attempt to have the camera back as it was.
@@ -137,7 +142,8 @@ impl Camera {
                 right: agreed.format,
             });
         }
-        self.controls
+        self.has = self
+            .controls
             .apply(&agreed.device)
             .map_err(|e| failure::of(&self.path, "setting its controls again", e))?;
         self.open = Some(start(&self.path, &agreed)?);
@@ -216,7 +222,7 @@ impl FrameSource for Camera {
     }
 
     fn facts(&self) -> serde_json::Value {
-        let controls = &self.controls;
+        let controls = &self.has;
         serde_json::json!({
             "product": self.product,
             "stable_names": stable_names(&self.path.canonicalize().unwrap_or_default()),

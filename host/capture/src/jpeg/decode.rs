@@ -61,7 +61,7 @@ pub(crate) fn to_yuyv(jpeg: &[u8], size_px: [u16; 2]) -> Result<Vec<u8>, NotDeco
                 .flat_map(|[y0, u0, v0, y1, u1, v1]| [*y0, mean(*u0, *u1), *y1, mean(*v0, *v1)]);
             packed.collect()
         }
-        _ => from_rgb8(Format::Yuyv, &decoded.pixels),
+        _ => from_rgb8(Format::Yuyv, size_px[0].into(), &decoded.pixels),
     })
 }
 
@@ -137,7 +137,7 @@ mod tests {
             let picture = RgbImage::from_fn(size_px[0].into(), size_px[1].into(), colour);
             let jpeg = jpeg(picture.as_raw(), size_px, ExtendedColorType::Rgb8);
             let yuyv = to_yuyv(&jpeg, size_px).unwrap();
-            let through_yuyv = convert::to_rgb8(Format::Yuyv, &yuyv);
+            let through_yuyv = convert::to_rgb8(Format::Yuyv, size_px[0].into(), &yuyv);
             let rgb = to_rgb8(&jpeg, size_px, true).unwrap();
             let off = rgb
                 .iter()

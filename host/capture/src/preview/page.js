@@ -129,7 +129,9 @@ function render() {
   id("alarm").hidden = alarms.length === 0;
   const text = alarms.join(" ");
   if (id("alarm").textContent !== text) id("alarm").textContent = text;
-  id("state").textContent = words ? "not live" : facts.state || "waiting for frames";
+  // A session's own lines say the rest.
+  const state = facts.session ? (facts.figures || {})["frame rate"] : facts.state;
+  id("state").textContent = words ? "not live" : state || "waiting for frames";
   id("state").classList.toggle("bad", Boolean(words));
 }
 
@@ -170,6 +172,7 @@ async function watch() {
         id("attitude").textContent = `body: ${yawText(turn.yaw_deg, 1)}, ${pitchText(turn.pitch_deg, 1)}, roll ${roll}`;
       }
       id("session").hidden = !facts.session;
+      document.body.classList.toggle("calibrating", Boolean(facts.session));
       if (facts.session) {
         id("instruction").textContent = facts.session.instruction;
         id("kept").textContent = facts.session.kept;

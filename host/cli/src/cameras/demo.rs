@@ -47,6 +47,7 @@ type Moment = [Vec<u8>; 2];
 fn swing(rig: &Rig) -> anyhow::Result<Vec<Moment>> {
     let scene = Scene::new(&pool::furnished(rig))?;
     let progress = Progress::new(MOMENTS.into());
+    let width = rig.left.as_ref().map_or(0, |eye| eye.eye.size_px[0]).into();
     (0..MOMENTS)
         .map(|i| {
             progress.step("rendering the pool");
@@ -57,7 +58,7 @@ fn swing(rig: &Rig) -> anyhow::Result<Vec<Moment>> {
             };
             let eyes = pool::both_eyes(&scene, rig, body, i, 1)?;
             let frames = pool::frames(&eyes);
-            Ok([frames.left, frames.right].map(|rgb| from_rgb8(Format::Yuyv, &rgb)))
+            Ok([frames.left, frames.right].map(|rgb| from_rgb8(Format::Yuyv, width, &rgb)))
         })
         .collect()
 }

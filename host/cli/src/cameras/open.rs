@@ -333,7 +333,7 @@ fn lock(
         return Ok(());
     }
     let set = lock_together(cameras, asked, options.lock)?;
-    if set == ControlSettings::default() {
+    if set.asked == ControlSettings::default() {
         eprintln!(
             "nothing is locked: exposure, gain and white balance are not controls that these \
              cameras have in common"

@@ -133,28 +133,24 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
         share(pixels.void),
     );
     let frames = [&rig.left, &rig.right].map(|eye| {
-        eye.as_ref().map_or(0, |eye| {
-            eye.eye
-                .size_px
-                .iter()
-                .map(|px| usize::from(*px))
-                .product::<usize>()
-        })
+        eye.as_ref()
+            .map_or([0, 0], |eye| eye.eye.size_px.map(usize::from))
     });
     for format in Format::ALL.into_iter().filter(|f| f.holds_width(width)) {
-        let depth = format.bytes_per_pixel();
+        let [left, right] = frames.map(|size_px| format.picture_bytes(size_px));
         let instructions = instructions::of_picture(format, pixels)
             .map_or("not counted".into(), |n| format!("{:.1} million", n / 1e6));
         let _ = writeln!(
             text,
             "{:<8} {:>16}   {:>17}   {:>10}   {instructions:>23}",
             format.name(),
-            depth * (frames[0] + frames[1]),
-            depth * (frames[0].max(frames[1]) + all),
-            depth * usize::from(width),
+            left + right,
+            left.max(right) + format.picture_bytes([width.into(), all / usize::from(width)]),
+            format.picture_bytes([width.into(), format.rows()]),
         );
     }
-    text += "* estimate: pixels by owner times instructions counted on an emulated Cortex-M7";
+    text += "* estimate: pixels by owner times instructions counted on an emulated Cortex-M7\n\
+             nv12: an output row is two of luma with the one of chroma that they share";
     text
 }
 

@@ -150,7 +150,7 @@ fn verify_counts_mismatches_and_errors() {
     let noise = bench.json("verify fish.tct");
     assert_eq!(noise["mismatches"], 0);
     assert_eq!(noise["pixels"], 160 * 80);
-    assert_eq!(noise["formats"].as_array().map(Vec::len), Some(6));
+    assert_eq!(noise["formats"].as_array().map(Vec::len), Some(7));
     assert!(noise.get("coordinate_error_px").is_some_and(Value::is_null));
     let pool = bench.json("verify fish.tct --rig rig.toml");
     let given = bench.json("verify fish.tct --rig rig.toml --left left.png --right right.png");
@@ -167,7 +167,9 @@ fn verify_counts_mismatches_and_errors() {
 fn stitch_is_the_same_both_ways() {
     let bench = Bench::with_pictures();
     let eyes = "--left left.png --right right.png";
-    for format in ["gray8", "rgb565", "rgb565be", "yuyv", "uyvy", "rgb8"] {
+    for format in [
+        "gray8", "rgb565", "rgb565be", "yuyv", "uyvy", "nv12", "rgb8",
+    ] {
         for sampler in ["nearest", "bilinear"] {
             let how = format!("{eyes} --format {format} --sampler {sampler}");
             let json = bench.json(&format!("stitch fish.tct {how} -o a.png"));

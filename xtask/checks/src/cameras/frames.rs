@@ -26,7 +26,7 @@ pub fn prepare(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     fs::create_dir_all(&folder)?;
     let mut files = Vec::new();
     for (name, picture) in ["left", "right"].into_iter().zip(pictures()?) {
-        let yuyv = from_rgb8(Format::Yuyv, picture.as_raw());
+        let yuyv = from_rgb8(Format::Yuyv, SIZE_PX[0].into(), picture.as_raw());
         let raw = folder.join(format!("{name}.yuyv"));
         fs::write(&raw, &yuyv)?;
         let video = folder.join(format!("{name}.y4m"));

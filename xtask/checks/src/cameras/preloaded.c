@@ -5,7 +5,10 @@
  * CAMERA1, one after the other, each when its time has come, never more, never fewer: where no buffer is
  * queued a frame waits. A frame in a script: length, sequence (32 bits each), time after the start in
  * us (64 bits), bytes. FORMAT is the code on offer, SIZE its WxH, ROW_BYTES and FIELD what is said of
- * it, HZ the rate. */
+ * it, HZ the rate.
+ *
+ * With CONTROLS, a file to note in what is set, cameras have controls of exposure: the automatic is on
+ * and may lower the rate; the time can be set while it is off, in steps of 0.8 ms. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -34,6 +37,8 @@ struct frame {
 
 struct camera {
     int fd;
+    /* Another one, open beside it for the controls. */
+    int second_fd;
     FILE *script;
     struct frame next;
     int has_next, is_on;
@@ -44,7 +49,12 @@ struct camera {
     int filled_count;
 };
 
-static struct camera cameras[2] = {{.fd = -1}, {.fd = -1}};
+static struct camera cameras[2] = {{.fd = -1, .second_fd = -1}, {.fd = -1, .second_fd = -1}};
+
+/* Of both cameras, whether they are open or not. */
+enum { AUTO, TIME, DYNAMIC_RATE, CONTROLS };
+static int values[2][CONTROLS] = {{V4L2_EXPOSURE_APERTURE_PRIORITY, 160, 1},
+                                  {V4L2_EXPOSURE_APERTURE_PRIORITY, 240, 1}};
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static uint64_t start_us;
 
@@ -61,7 +71,7 @@ static unsigned number(const char *name, unsigned otherwise) {
 
 static struct camera *camera_of(int fd) {
     for (int i = 0; i < 2; i++)
-        if (fd >= 0 && cameras[i].fd == fd) return &cameras[i];
+        if (fd >= 0 && (cameras[i].fd == fd || cameras[i].second_fd == fd)) return &cameras[i];
     return 0;
 }
 
@@ -76,10 +86,12 @@ static int open_camera(const char *path) {
     if (strcmp(name, "camera0") && strcmp(name, "camera1")) return -2;
     struct camera *c = &cameras[name[6] - '0'];
     if (c->fd >= 0) {
+        if (c->second_fd < 0) return c->second_fd = memfd_create(name, 0);
         errno = EBUSY;
         return -1;
     }
     memset(c, 0, sizeof *c);
+    c->second_fd = -1;
     c->script = fopen(getenv(name[6] == '0' ? "CAMERA0" : "CAMERA1"), "rb");
     if (!c->script) abort();
     read_next(c);
@@ -106,7 +118,7 @@ int open64(const char *path, int flags, ...) {
 
 int close(int fd) {
     struct camera *c = camera_of(fd);
-    if (c) c->fd = -1;
+    if (c) *(fd == c->fd ? &c->fd : &c->second_fd) = -1;
     int (*real)(int) = dlsym(RTLD_NEXT, "close");
     return real(fd);
 }
@@ -155,8 +167,48 @@ static int refuse(int error) {
     return -1;
 }
 
+static int control_of(uint32_t id) {
+    switch (id) {
+    case V4L2_CID_EXPOSURE_AUTO: return AUTO;
+    case V4L2_CID_EXPOSURE_ABSOLUTE: return TIME;
+    case V4L2_CID_EXPOSURE_AUTO_PRIORITY: return DYNAMIC_RATE;
+    default: return -1;
+    }
+}
+
+static int ask_control(int camera, unsigned request, void *answer) {
+    if (!getenv("CONTROLS")) return refuse(ENOTTY);
+    if (request == VIDIOC_QUERY_EXT_CTRL) {
+        struct v4l2_query_ext_ctrl *asked = answer;
+        int control = control_of(asked->id);
+        if (control < 0) return refuse(EINVAL);
+        asked->type = control == AUTO   ? V4L2_CTRL_TYPE_MENU
+                      : control == TIME ? V4L2_CTRL_TYPE_INTEGER
+                                        : V4L2_CTRL_TYPE_BOOLEAN;
+        return 0;
+    }
+    struct v4l2_ext_control *asked = ((struct v4l2_ext_controls *)answer)->controls;
+    int control = control_of(asked->id), *value = &values[camera][control];
+    if (control < 0) return refuse(EINVAL);
+    if (request == VIDIOC_S_EXT_CTRLS) {
+        if (control == TIME && values[camera][AUTO] != V4L2_EXPOSURE_MANUAL) return refuse(EACCES);
+        *value = control == TIME ? asked->value / 8 * 8 : asked->value;
+        FILE *notes = fopen(getenv("CONTROLS"), "a");
+        if (!notes) abort();
+        static const char *names[] = {"auto", "time", "dynamic_rate"};
+        fprintf(notes, "camera%d %s %d\n", camera, names[control], *value);
+        fclose(notes);
+    }
+    asked->value = *value;
+    return 0;
+}
+
 static int ask(struct camera *c, unsigned request, void *answer) {
     switch (request) {
+    case VIDIOC_QUERY_EXT_CTRL:
+    case VIDIOC_G_EXT_CTRLS:
+    case VIDIOC_S_EXT_CTRLS:
+        return ask_control(c - cameras, request, answer);
     case VIDIOC_QUERYCAP: {
         uint32_t can = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
         *(struct v4l2_capability *)answer = (struct v4l2_capability){

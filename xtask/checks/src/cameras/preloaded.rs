@@ -1,5 +1,5 @@
 //! The built program with a driver of our own (`preloaded.c`) on this machine: motion JPEG, damage
-//! and gaps at known places, rows with padding, what cannot be read.
+//! and gaps at known places, rows with padding, controls of exposure, what cannot be read.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -63,10 +63,11 @@ pub fn check(folder: &Path, program: &Path) -> anyhow::Result<bool> {
         program,
         driver,
     };
-    let checks: [(&str, Check); 4] = [
+    let checks: [(&str, Check); 5] = [
         ("motion JPEG, one frame cut and one lost", motion_jpeg),
         ("motion JPEG to y4m", motion_jpeg_to_y4m),
         ("rows with padding", padding),
+        ("exposure set, read back and recorded", exposure),
         ("interlaced and unknown", refusals),
     ];
     for (name, check) in checks {
@@ -372,6 +373,66 @@ fn padding(bench: &Bench<'_>) -> anyhow::Result<()> {
             ensure!(*planes == due, "{name}: frame {n} is another");
         }
     }
+    Ok(())
+}
+
+/// What is set on both cameras, in which order; what they made of it is said and recorded.
+fn exposure(bench: &Bench<'_>) -> anyhow::Result<()> {
+    let [width, height] = SIZE_PX;
+    for (eye, name) in ["left", "right"].into_iter().enumerate() {
+        let frame = |n| Scripted {
+            sequence: n,
+            time_us: n * PERIOD_US + eye * RIGHT_LATER_US,
+            bytes: vec![90; width * height],
+        };
+        bench.script(name, &(0..FRAMES).map(frame).collect::<Vec<_>>())?;
+    }
+    // Asked for; and with the automatic's own time locked, which is the left camera's.
+    for (asked, time, said) in [
+        (
+            "--exposure 50 --lock",
+            48,
+            "locked: exposure 4.8 ms (asked for was exposure 5 ms)",
+        ),
+        ("--lock", 160, "locked: exposure 16 ms"),
+    ] {
+        let notes = bench.folder.join("controls.txt");
+        let _ = fs::remove_file(&notes);
+        let settings = [("CONTROLS", "controls.txt")];
+        let arguments = format!("capture exposed --record y4m --frames 2 {asked} --json");
+        let output = bench.run("GREY", &settings, &arguments)?;
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        ensure!(output.status.success(), "{asked}: {stderr}");
+        ensure!(
+            stderr.lines().any(|line| line == said),
+            "{asked}: no {said:?} in {stderr:?}"
+        );
+        let set =
+            |camera| format!("{camera} auto 1\n{camera} dynamic_rate 0\n{camera} time {time}\n");
+        let due = set("camera0") + &set("camera1");
+        let noted = fs::read_to_string(&notes)?;
+        ensure!(noted == due, "{asked}: set was\n{noted}where\n{due}was due");
+        let about: Value = serde_json::from_slice(&bench.read("exposed/recording.json")?)?;
+        for eye in ["left", "right"] {
+            let recorded = &about[eye]["facts"]["exposure_ms"];
+            let due = json!(f64::from(time) / 10.0);
+            ensure!(*recorded == due, "{asked}: {recorded} where {due} was due");
+        }
+        fs::remove_dir_all(bench.folder.join("exposed"))?;
+    }
+    // Cameras without such controls.
+    let output = bench.run("GREY", &[], "capture exposed --stills --frames 1 --lock")?;
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    ensure!(
+        output.status.success() && stderr.contains("nothing is locked"),
+        "--lock without controls: {stderr}"
+    );
+    let output = bench.run("GREY", &[], "capture refused --stills --exposure 50")?;
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    ensure!(
+        output.status.code() == Some(1) && stderr.contains("the controls: exposure 5 ms"),
+        "--exposure without controls: {stderr}"
+    );
     Ok(())
 }
 

@@ -54,7 +54,7 @@ pub fn run(args: &Args, name: MotionName, rig: &Rig, scene: &Scene) -> anyhow::R
                 &pictures.left
             };
             recorder.write(&Frame {
-                data: &from_rgb8(Format::Yuyv, rgb),
+                data: &from_rgb8(Format::Yuyv, size_px[0].into(), rgb),
                 format: FrameFormat::packed(Layout::Yuyv, *size_px),
                 time_ns: i64::from(frame) * 1_000_000_000 / i64::from(args.fps),
                 sequence: frame,

@@ -11,7 +11,7 @@ use image::{DynamicImage, GrayImage};
 use serde_json::json;
 use tectum_bake::convert::{from_rgb8, to_rgb8};
 use tectum_bake::{Format, Pair, Pass, stitch};
-use tectum_core::Sampler;
+use tectum_core::{Eye, Sampler};
 use tectum_optics::Rig;
 use tectum_stitch::registration::planar::{self, PlanarOptions};
 
@@ -100,6 +100,8 @@ enum FormatName {
     Yuyv,
     /// The same as U Y V Y
     Uyvy,
+    /// A plane of luma, then one of chroma for two by two pixels
+    Nv12,
     /// 8 bits of red, green, blue
     Rgb8,
 }
@@ -147,6 +149,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         FormatName::Rgb565be => Format::Rgb565Be,
         FormatName::Yuyv => Format::Yuyv,
         FormatName::Uyvy => Format::Uyvy,
+        FormatName::Nv12 => Format::Nv12,
         FormatName::Rgb8 => Format::Rgb8,
     };
     let sampler = args.sampler.into();
@@ -155,7 +158,12 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     } else {
         Pass::Both
     };
-    let [left, right] = [&frames.left, &frames.right].map(|rgb| from_rgb8(format, rgb));
+    let picture = |eye, rgb| {
+        let [width, _] = tables.source_size_px(eye).unwrap_or_default();
+        from_rgb8(format, width.into(), rgb)
+    };
+    let left = picture(Eye::Left, &frames.left);
+    let right = picture(Eye::Right, &frames.right);
     let pair = Pair {
         left: &left,
         right: &right,
@@ -173,7 +181,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         let gray = GrayImage::from_raw(width, height, stitched);
         DynamicImage::from(gray.context("a picture of the wrong length: a bug")?)
     } else {
-        pictures::rgb(width, height, to_rgb8(format, &stitched))?.into()
+        pictures::rgb(width, height, to_rgb8(format, width as usize, &stitched))?.into()
     };
     pictures::save(&args.output, picture)?;
     Ok(Report::new(
