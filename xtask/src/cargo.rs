@@ -1,11 +1,12 @@
 //! Calls of cargo that all agree on profile, packages and features, so that nothing is built twice.
 
 use std::ffi::OsString;
+use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, bail};
 use xtask::packages;
-use xtask::{SKIPPED_EXIT_CODE, repository};
+use xtask::{Outcome, SKIPPED, SKIPPED_EXIT_CODE, repository};
 
 /// Cargo in the repository.
 pub fn cargo(arguments: &[&str]) -> Command {
@@ -37,6 +38,28 @@ pub fn run(command: &mut Command) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Runs a test program and shows what it prints. Skipped where one of its tests says that it had
+/// nothing to do (`tectum_test_data::skip`), which the program itself counts as passed.
+pub fn run_tests(command: &mut Command) -> anyhow::Result<Outcome> {
+    let mut program = command
+        .stderr(Stdio::piped())
+        .spawn()
+        .with_context(|| text(command))?;
+    let mut outcome = Outcome::Passed;
+    for line in BufReader::new(program.stderr.take().context("no stderr")?).split(b'\n') {
+        let line = line?;
+        let line = String::from_utf8_lossy(&line);
+        eprintln!("{line}");
+        if let Some(at) = line.find(SKIPPED) {
+            outcome = Outcome::Skipped(line[at + SKIPPED.len()..].to_owned());
+        }
+    }
+    if !program.wait()?.success() {
+        bail!("failed: {}", text(command));
+    }
+    Ok(outcome)
+}
+
 /// Whether it can be run and succeeds, in silence.
 pub fn succeeds(command: &mut Command) -> bool {
     let silent = command.stdout(Stdio::null()).stderr(Stdio::null());
@@ -50,19 +73,22 @@ pub fn text(command: &Command) -> String {
     words.join(" ")
 }
 
-/// Builds and runs a check that needs the host crates, with its own arguments.
-pub fn check(name: &str, arguments: &[OsString]) -> anyhow::Result<()> {
+/// Builds and runs a check that needs the host crates, with its own arguments. It says itself why
+/// it is skipped.
+pub fn check(name: &str, arguments: &[OsString]) -> anyhow::Result<Outcome> {
     let mut build = cargo(&["build", "--bin", "tectum", "--bin", "tectum-checks"]);
     build.args(everything());
     run(&mut build)?;
     let mut check = Command::new(checks());
     check.arg(name).args(arguments).current_dir(repository());
     let status = check.status().with_context(|| text(&check))?;
-    // It has said why.
-    if status.success() || status.code() == Some(i32::from(SKIPPED_EXIT_CODE)) {
-        return Ok(());
+    if status.code() == Some(i32::from(SKIPPED_EXIT_CODE)) {
+        return Ok(Outcome::Skipped(format!("{name}, as said above")));
     }
-    bail!("failed: {}", text(&check))
+    if !status.success() {
+        bail!("failed: {}", text(&check));
+    }
+    Ok(Outcome::Passed)
 }
 
 /// The program with the checks, once built.

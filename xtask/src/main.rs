@@ -22,8 +22,9 @@ One named command for each chore and CI step.
 cargo xtask test [--install] [--only STEP] [--all] [--list]
     Everything that must pass. --list names the steps and what each proves; --only runs one of them
     (`--only host/calibrate/chessboard`: one test program). Missing Debian packages are installed with
-    --install or where CI=true; otherwise the steps that need them are skipped and say so. Boards and
-    aarch64, whose campaigns have passed on the very same sources, are run with --all alone.
+    --install or where CI=true; otherwise the steps that need them are skipped and say so. Firmware
+    and aarch64 are left out while their sources are those that campaigns `boards` and `aarch64`
+    passed on; --all or --only NAME runs them.
 cargo xtask campaign NAME | --list
     What takes too long for `test`: --list says what each proves, how long it takes and whether its
     part has changed since it passed.
@@ -93,8 +94,7 @@ fn run() -> anyhow::Result<Outcome> {
         // Their arguments are read where they are used.
         "tables" | "figures" | "firmware" | "cameras" => {
             let rest = args.finish();
-            cargo::check(&command, &rest)?;
-            Outcome::Passed
+            cargo::check(&command, &rest)?
         }
         other => bail!("no command `{other}`: `cargo xtask --help` lists them"),
     };
