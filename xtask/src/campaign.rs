@@ -1,7 +1,5 @@
 //! `cargo xtask campaign`: what is too long for every run of the tests and rarely breaks.
 
-use std::process::Command;
-
 use anyhow::bail;
 use xtask::Outcome;
 use xtask::packages::{self, AARCH64};
@@ -22,8 +20,6 @@ struct Campaign {
 enum Work {
     /// What is ignored in these test programs.
     Ignored(&'static [&'static str]),
-    /// These test programs with four times as many random cases.
-    Random(&'static [&'static str]),
     /// The tests of an emulated SoC, with all random cases.
     Aarch64,
     /// The boards that the ordinary run leaves out while nothing of theirs changes.
@@ -47,7 +43,7 @@ const CORE: &[&str] = &[
     "tests/exact",
 ];
 
-const CAMPAIGNS: [Campaign; 10] = [
+const CAMPAIGNS: [Campaign; 9] = [
     Campaign {
         name: "detection",
         proves: "boards of ten real sets are found, whole and covered in 13 ways; no false marker",
@@ -113,13 +109,6 @@ const CAMPAIGNS: [Campaign; 10] = [
         minutes: 3,
         part: CORE,
         work: Work::Ignored(&["tests/exact/differential"]),
-    },
-    Campaign {
-        name: "random",
-        proves: "laws of lenses, rigs and files on four times as many random cases",
-        minutes: 2,
-        part: &["Cargo.lock", "host/optics"],
-        work: Work::Random(&["host/optics/lib", "host/optics/formats"]),
     },
     Campaign {
         name: AARCH64_NAME,
@@ -194,13 +183,7 @@ pub fn run(list: bool, name: Option<&str>) -> anyhow::Result<Outcome> {
     // Before it begins: what is edited while it runs has not passed.
     let hash = record::hash(campaign.part)?;
     let outcome = match campaign.work {
-        Work::Ignored(tests) => {
-            tests_of(tests, |command| command.args(["--ignored", "--nocapture"]))?
-        }
-        Work::Random(tests) => tests_of(tests, |command| {
-            // The usual number is 256.
-            command.env("PROPTEST_CASES", "1024")
-        })?,
+        Work::Ignored(tests) => ignored(tests)?,
         Work::Aarch64 if !packages::are_there(AARCH64) => {
             Outcome::Skipped(packages::advice(AARCH64))
         }
@@ -219,16 +202,16 @@ pub fn run(list: bool, name: Option<&str>) -> anyhow::Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// Runs test programs, each told by `tell` what it shall do. Skipped where one of their tests was.
-fn tests_of(
-    tests: &[&str],
-    tell: impl Fn(&mut Command) -> &mut Command,
-) -> anyhow::Result<Outcome> {
+/// Runs the ignored tests of these test programs. Skipped where one of them was.
+fn ignored(tests: &[&str]) -> anyhow::Result<Outcome> {
     let mut outcome = Outcome::Passed;
     for program in programs::build()? {
-        if tests.contains(&&*program.name)
-            && let skipped @ Outcome::Skipped(_) = cargo::run_tests(tell(&mut program.command()))?
-        {
+        if !tests.contains(&&*program.name) {
+            continue;
+        }
+        let mut command = program.command();
+        command.args(["--ignored", "--nocapture"]);
+        if let skipped @ Outcome::Skipped(_) = cargo::run_tests(&mut command)? {
             outcome = skipped;
         }
     }

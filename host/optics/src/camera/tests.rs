@@ -173,17 +173,8 @@ fn fraction() -> impl Strategy<Value = f64> {
 /// amplified without bound. At 1e-5, one lens in some thousands reaches 1e-9 rad.
 const RIM_RAD: f64 = 1e-4;
 
-/// Twenty times the usual number: 5,120, or what `PROPTEST_CASES` says, times 20.
-fn cases() -> ProptestConfig {
-    let usual = ProptestConfig::default();
-    ProptestConfig {
-        cases: 20 * usual.cases,
-        ..usual
-    }
-}
-
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(ProptestConfig::with_cases(20_480))]
 
     #[test]
     fn ray_to_pixel_and_back(
