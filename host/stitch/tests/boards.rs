@@ -290,4 +290,43 @@ fn diverging_eyes_pair_their_boards() {
         println!("  out of step by one: {paired} of 8 paired");
         assert!(paired == 0 || relative.is_some());
     }
+    // Guessed axes, anywhere near: always the same rotation.
+    let mut rotations = Vec::new();
+    for [left, right, pitch] in [
+        [-52.0, 52.0, 0.0],
+        [-48.0, 48.0, 0.0],
+        [-56.0, 56.0, 0.0],
+        [-52.0, 48.0, 6.0],
+        [-48.0, 52.0, -6.0],
+    ] {
+        let text = format!(
+            "name = 'slug'\nmedium = 'air'\nstitch_distance_m = 1.0\n[left]\n{}[right]\n{}",
+            eye(left),
+            eye(right).replace("pitch_deg = 0.0", &format!("pitch_deg = {pitch:?}"))
+        );
+        let guess = Rig::from_toml(&text, "slug").unwrap();
+        let outcomes = match_boards(lenses, &targets, &shots, Relative::roughly(&guess).as_ref());
+        let paired = outcomes.iter().filter(|outcome| outcome.result.is_ok());
+        let paired = paired.count();
+        let found = register(&guess, &Tie::of_boards(&outcomes), &Options::default());
+        let found = match found {
+            Ok(found) => found,
+            Err(error) => panic!("{left} {right} {pitch}: {error}; {:?}", outcomes[0].result),
+        };
+        println!(
+            "slug guessed at {left} {right} {pitch}: {paired} of 8, turned {:.3} deg, standard error {:.3}, \
+             {:?}, {:.2} px",
+            found.turn_deg, found.turn_standard_error_deg, found.moved, found.rms_px
+        );
+        let [left, right] = eyes(&found.rig).map(|eye| eye.pose.rotation);
+        rotations.push(left.inverse() * right);
+    }
+    for rotation in &rotations {
+        let off_deg = (rotation.inverse() * rotations[0])
+            .scaled_axis()
+            .norm()
+            .to_degrees();
+        println!("  {off_deg:.3} deg from the first");
+        assert!(off_deg < 0.2, "{off_deg}");
+    }
 }
