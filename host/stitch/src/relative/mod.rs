@@ -11,7 +11,7 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-use nalgebra::{Rotation3, SMatrix};
+use nalgebra::{Matrix3, Rotation3, SMatrix};
 use tectum_calibrate::BoardPose;
 
 use crate::Eyes;
@@ -34,8 +34,8 @@ pub struct Prior {
     pub pose: BoardPose,
     /// Standard deviation of a further turn about any axis, rad.
     pub turn_sigma_rad: f64,
-    /// Standard deviation of the position along any axis, mm.
-    pub position_sigma_mm: f64,
+    /// Covariance of the position in the left camera's frame, mm^2; positive definite.
+    pub position_covariance_mm2: Matrix3<f64>,
 }
 
 impl Prior {

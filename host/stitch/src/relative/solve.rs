@@ -83,20 +83,19 @@ fn smooth(square: f64) -> (f64, f64) {
     (2.0 * own * (root - 1.0), 1.0 / root)
 }
 
-/// The prior's residual in units of the sights' (rad), and its weights.
-fn expected(pose: &BoardPose, prior: &Prior) -> (Vector6<f64>, Vector6<f64>) {
+/// The prior's residual (rad, mm), and its weights beside the sights' squares.
+fn expected(pose: &BoardPose, prior: &Prior) -> (Vector6<f64>, Matrix6<f64>) {
     let turn = vector_of_rotation(&(pose.rotation * prior.pose.rotation.inverse()));
     let shift = pose.position_mm - prior.pose.position_mm;
     let off = Vector6::from_fn(|k, _| if k < 3 { turn[k] } else { shift[k - 3] });
-    let weights = Vector6::from_fn(|k, _| {
-        let sigma = if k < 3 {
-            prior.turn_sigma_rad
-        } else {
-            prior.position_sigma_mm
-        };
-        (NOISE_RAD / sigma).powi(2)
-    });
-    (off, weights)
+    let turn = Matrix3::identity() / prior.turn_sigma_rad.powi(2);
+    let position = prior.position_covariance_mm2.try_inverse();
+    let mut weights = Matrix6::zeros();
+    weights.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
+    weights
+        .fixed_view_mut::<3, 3>(3, 3)
+        .copy_from(&position.unwrap_or_default());
+    (off, weights * NOISE_RAD.powi(2))
 }
 
 fn cost(boards: &[BoardSights], state: &State, prior: Option<&Prior>) -> f64 {
@@ -114,7 +113,7 @@ fn cost(boards: &[BoardSights], state: &State, prior: Option<&Prior>) -> f64 {
     });
     let of_prior = prior.map_or(0.0, |prior| {
         let (off, weights) = expected(&state.pose, prior);
-        off.component_mul(&off).dot(&weights)
+        off.dot(&(weights * off))
     });
     each.sum::<f64>() + of_prior
 }
@@ -136,8 +135,8 @@ fn normal(
     let (mut full, mut gradient) = (Matrix6::zeros(), Vector6::zeros());
     if let Some(prior) = prior {
         let (off, weights) = expected(&state.pose, prior);
-        full += Matrix6::from_diagonal(&weights);
-        gradient += off.component_mul(&weights);
+        full += weights;
+        gradient += weights * off;
     }
     let mut each = Vec::with_capacity(boards.len());
     for (board, pose) in boards.iter().zip(&state.boards) {
