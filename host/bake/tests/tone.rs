@@ -66,7 +66,7 @@ fn a_rigs_tone_is_baked_and_verified() {
     };
     let same = verify(&tables, Some(&rig), pair).unwrap();
     assert_eq!(same.mismatches, 0);
-    assert_eq!(same.formats.len(), 4);
+    assert_eq!(same.formats.len(), 6);
     assert!(
         same.rounding_error_lsb <= 0.5,
         "{}",

@@ -13,7 +13,10 @@ pub struct MountFit {
     /// Body <- left camera and body <- right camera: the mount's, each turned by half of the rest.
     pub rotations: [Rotation3<f64>; 2],
     /// Quarter turns of the left and the right camera about its optical axis, 0 to 3, from upright: 2 is
-    /// upside down.
+    /// upside down. Only the turn of one camera against the other is in the pictures: the same eyes fit a
+    /// body that is turned by quarters about the line between them, with other turns. Of these bodies the
+    /// one is taken whose eyes look ahead; where they look opposite ways, which leaves that open, the one
+    /// whose left eye is upright.
     pub quarter_turns: [u8; 2],
     /// Angle of the rotation that no symmetric mount holds, rad.
     pub rest_rad: f64,
@@ -23,14 +26,18 @@ pub struct MountFit {
 
 /// Eyes that look the same way to within this leave tau open: any roll would pass for one.
 const ALIKE_RAD: f64 = 0.2;
+/// Eyes whose mean axis is shorter than this look opposite ways, neither ahead nor back: each within 20
+/// degrees of the side.
+const OPPOSITE: f64 = 0.35;
 /// Eyes that are mounted alike, upright or turned by quarters, are so to within this, rad.
 const MOUNTED_RAD: f64 = 0.35;
 
 impl MountFit {
     /// Nearest mount to left camera <- right camera, with the right eye's centre in the left camera's
     /// frame in any unit. Upright cameras are taken as such; where no symmetric mount of upright cameras
-    /// comes near, quarter turns of either about its axis are tried, and of those that fit the one with
-    /// fewest turned eyes and the left eye on the left.
+    /// comes near, quarter turns of either about its axis are tried, and of those that fit the one taken has
+    /// the left eye on the left, eyes that look ahead, fewest turned eyes and an upright left one, in this
+    /// order.
     pub fn of(left_from_right: &Rotation3<f64>, position: &Vector3<f64>) -> Self {
         let upright = Self::turned(left_from_right, position, [0, 0]);
         if upright.is_symmetric() {
@@ -40,7 +47,8 @@ impl MountFit {
         let fits = all.map(|turns| Self::turned(left_from_right, position, turns));
         let order = |fit: &Self| {
             let turned = fit.quarter_turns.iter().filter(|turns| **turns > 0).count();
-            (fit.is_swapped, turned)
+            let ahead = fit.looks_opposite() || fit.looks_ahead();
+            (fit.is_swapped, !ahead, turned, fit.quarter_turns[0] > 0)
         };
         let fits = fits.filter(Self::is_symmetric);
         let best = fits.min_by(|a, b| {
@@ -55,15 +63,37 @@ impl MountFit {
         self.rest_rad <= MOUNTED_RAD
     }
 
+    /// Mean of both optical axes in the body frame.
+    fn mean_axis(&self) -> Vector3<f64> {
+        let [left, right] = self.rotations.map(|rotation| rotation * Vector3::z());
+        (left + right) / 2.0
+    }
+
+    fn looks_opposite(&self) -> bool {
+        self.mean_axis().norm() < OPPOSITE
+    }
+
+    /// Whether the eyes together look ahead rather than up, down or back.
+    fn looks_ahead(&self) -> bool {
+        let mean = self.mean_axis();
+        mean.x > mean.z.abs()
+    }
+
     /// What to tell the user, a sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
+        let beside = match self.looks_opposite() {
+            true => {
+                " against the other, which is taken as upright: eyes that look opposite ways leave that open"
+            }
+            false => "",
+        };
         for (eye, turns) in ["left", "right"].into_iter().zip(self.quarter_turns) {
             match turns {
                 0 => {}
-                2 => remarks.push(format!("the {eye} eye is upside down")),
+                2 => remarks.push(format!("the {eye} eye is upside down{beside}")),
                 turns => remarks.push(format!(
-                    "the {eye} eye is turned by {} degrees about its axis",
+                    "the {eye} eye is turned by {} degrees about its axis{beside}",
                     if turns == 1 { 90 } else { -90 }
                 )),
             }

@@ -150,7 +150,7 @@ fn verify_counts_mismatches_and_errors() {
     let noise = bench.json("verify fish.tct");
     assert_eq!(noise["mismatches"], 0);
     assert_eq!(noise["pixels"], 160 * 80);
-    assert_eq!(noise["formats"].as_array().map(Vec::len), Some(4));
+    assert_eq!(noise["formats"].as_array().map(Vec::len), Some(6));
     assert!(noise.get("coordinate_error_px").is_some_and(Value::is_null));
     let pool = bench.json("verify fish.tct --rig rig.toml");
     let given = bench.json("verify fish.tct --rig rig.toml --left left.png --right right.png");

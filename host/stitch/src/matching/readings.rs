@@ -95,9 +95,15 @@ impl Pairing {
         nearest.map(|(reading, _)| reading).collect()
     }
 
-    /// Distance between neighbouring corners as the left eye sees them, rad.
-    pub fn square_rad(&self) -> f64 {
-        self.board.square_mm / self.seen[0].pose.position_mm.norm().max(1e-9)
+    /// RMS over both eyes of the angle between a corner and its ray, with the board where that eye alone
+    /// puts it, rad: corners found roughly, and a lens that is not quite the one assumed.
+    pub fn own_rms_rad(&self) -> f64 {
+        let (square, count) = self.seen.iter().fold((0.0, 0), |(square, count), seen| {
+            let corners = seen.sights.len();
+            let own = seen.rms_rad * seen.rms_rad * corners as f64;
+            (square + own, count + corners)
+        });
+        libm::sqrt(square / count.max(1) as f64)
     }
 
     /// The corners of the right view that lie farthest out along its diagonals.

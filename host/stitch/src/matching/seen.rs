@@ -23,6 +23,8 @@ pub struct Seen {
     pub sights: Vec<Sight>,
     /// Camera <- the view's labels, mm.
     pub pose: BoardPose,
+    /// RMS of the angle between a corner and its ray by that pose, rad.
+    pub rms_rad: f64,
     /// The board's labels from the view's, if the marker tells.
     pub placement: Option<Placement>,
 }
@@ -85,6 +87,7 @@ pub fn boards(
             view: sighting.boards[index].view.clone(),
             sights: posed.sights,
             pose: posed.pose,
+            rms_rad: posed.rms_rad,
             placement,
         })
     });
@@ -140,6 +143,7 @@ fn posed(
 struct Posed {
     sights: Vec<Sight>,
     pose: BoardPose,
+    rms_rad: f64,
 }
 
 fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Posed, Refusal> {
@@ -153,7 +157,7 @@ fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Pos
             })
         })
         .collect();
-    let Some((pose, rms)) = board_pose(&sights) else {
+    let Some((pose, rms_rad)) = board_pose(&sights) else {
         return Err(Refusal::NoBoard { eye: name });
     };
     // Seen from behind, labels would run the other way round in the picture.
@@ -163,13 +167,17 @@ fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Pos
     }
     let nearest = sights.iter().map(|s| pose.apply(&s.point_mm).norm());
     let square_rad = board.square_mm / nearest.fold(f64::INFINITY, f64::min);
-    if rms > FLAT_SHARE * square_rad {
+    if rms_rad > FLAT_SHARE * square_rad {
         return Err(Refusal::NoPose {
             eye: name,
-            rms_deg: rms.to_degrees(),
+            rms_deg: rms_rad.to_degrees(),
         });
     }
-    Ok(Posed { sights, pose })
+    Ok(Posed {
+        sights,
+        pose,
+        rms_rad,
+    })
 }
 
 /// The board that the target's marker belongs to, and how it lies. `None` without the marker.

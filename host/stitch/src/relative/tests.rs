@@ -43,8 +43,15 @@ fn built(rig: &Rig, turn_deg: f64, share: f64, noise: &mut Noise) -> Rig {
     rig.with_poses(poses).unwrap()
 }
 
-/// Shots of a board at 0.25 to 0.6 m over the overlap.
-fn shots(truth: &Rig, count: usize, marker: bool, noise: &mut Noise) -> Vec<Eyes<Sighting>> {
+/// Shots of a board at 0.25 to 0.6 m over the overlap, which moves by `moved_mm` any way before the right
+/// eye's picture.
+fn shots(
+    truth: &Rig,
+    count: usize,
+    marker: bool,
+    moved_mm: f64,
+    noise: &mut Noise,
+) -> Vec<Eyes<Sighting>> {
     let target = target(8, 6, 3);
     let shot = |k: usize| {
         let angle = k as f64 * 2.1 + 0.3 * noise.even();
@@ -57,7 +64,13 @@ fn shots(truth: &Rig, count: usize, marker: bool, noise: &mut Noise) -> Vec<Eyes
             marker,
             sigma_px: SIGMA_PX,
         };
-        eyes(truth).map(|eye| sighting(eye, &target, &pose, &how, noise))
+        let moved = BoardPose {
+            position_mm: pose.position_mm + axis(noise) * moved_mm,
+            ..pose
+        };
+        let [left, right] = eyes(truth);
+        [(left, &pose), (right, &moved)]
+            .map(|(eye, pose)| sighting(eye, &target, pose, &how, noise))
     };
     (0..count).map(shot).collect()
 }
@@ -139,7 +152,7 @@ fn campaign(seeds: impl IntoIterator<Item = u64>) -> (Vec<f64>, usize) {
         let turn_deg = 15.0 * noise.even().abs();
         let share = 0.5 * noise.even().abs();
         let assumed = built(&truth, turn_deg, share, &mut noise);
-        let taken = shots(&truth, 3, true, &mut noise);
+        let taken = shots(&truth, 3, true, 0.0, &mut noise);
         let mut line = format!("{seed:4}: {turn_deg:5.2} deg, {share:.2} baselines off: ");
         match registered(&assumed, &truth, &taken) {
             Ok([off, sigma]) => {
@@ -193,6 +206,18 @@ fn a_mount_far_off_is_found_and_every_doubt_decided() {
     assert_eq!((offs.len(), wrong), (2, 0));
     // Three boards of 160 mm leave 0.04 degrees by their own noise.
     assert!(offs.iter().all(|off| *off < 0.15), "{offs:?}");
+}
+
+#[test]
+fn boards_that_moved_by_a_square_between_the_eyes_are_refused() {
+    let truth = rig();
+    for seed in [0, 1, 4, 5] {
+        let mut noise = Noise::new(1000 + seed);
+        let taken = shots(&truth, 3, true, 20.0, &mut noise);
+        let outcomes = matched(&truth, &taken);
+        let refused = |outcome: &Outcome| outcome.result.is_err();
+        assert!(outcomes.iter().all(refused), "{seed}: {outcomes:?}");
+    }
 }
 
 #[test]

@@ -101,11 +101,13 @@ impl Ties {
 
     /// An error, with what became of the boards; where no board gave any pair, that is the error.
     fn explain(&self, error: RegistrationError) -> anyhow::Error {
-        let refused = self.refused().join("\n");
+        let refused = self.refused();
         match (refused.is_empty(), self.ties.is_empty()) {
             (true, _) => error.into(),
-            (false, true) => anyhow::anyhow!("no board was paired\n{refused}"),
-            (false, false) => anyhow::anyhow!("{error}\n{refused}"),
+            (false, true) => {
+                anyhow::anyhow!("the boards give no pairs of points: {}", refused.join("; "))
+            }
+            (false, false) => anyhow::anyhow!("{error}\n{}", refused.join("\n")),
         }
     }
 
