@@ -84,9 +84,9 @@ pub fn by_shots(pairings: &[&Pairing], relative: &Relative, slack: Slack) -> Vec
     if is_sure(best, &candidates, pairings, slack) {
         return chosen(best, pairings);
     }
-    // Too few shots to tell: the rig may, where it is known well.
+    // Too few shots to tell: the rig may, where it is known well and most of them are as it says.
     let sure = by_rig(pairings, relative);
-    if sure.iter().any(Result::is_ok) {
+    if 2 * sure.iter().filter(|chosen| chosen.is_ok()).count() > pairings.len() {
         return sure;
     }
     let refusals = pairings.iter().map(|pairing| {
