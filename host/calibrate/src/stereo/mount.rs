@@ -1,7 +1,7 @@
 //! Mount angles of a relative rotation.
 
 use nalgebra::{Rotation3, Vector3};
-use tectum_optics::{Pose, Side};
+use tectum_optics::{Pose, Side, vector_of_rotation};
 
 /// A symmetric mount (Tong et al. 2024, Sec. 2) and what it leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +20,8 @@ pub struct MountFit {
     pub quarter_turns: [u8; 2],
     /// Angle of the rotation that no symmetric mount holds, rad.
     pub rest_rad: f64,
-    /// Whether the left eye comes to lie on the body's right (y < 0): swapped eyes, or both upside down.
+    /// Whether the left eye comes to lie on the body's right (y < 0), or the eyes look back, which is the same
+    /// in a body turned round: swapped eyes, or both upside down.
     pub is_swapped: bool,
 }
 
@@ -29,6 +30,8 @@ const ALIKE_RAD: f64 = 0.2;
 /// Eyes whose mean axis is shorter than this look opposite ways, neither ahead nor back: each within 20
 /// degrees of the side.
 const OPPOSITE: f64 = 0.35;
+/// Least part of the line between the eyes that runs sideways in a body whose cameras are turned.
+const BESIDE: f64 = 0.7;
 /// Eyes that are mounted alike, upright or turned by quarters, are so to within this, rad.
 const MOUNTED_RAD: f64 = 0.35;
 
@@ -50,7 +53,7 @@ impl MountFit {
             let ahead = fit.looks_opposite() || fit.looks_ahead();
             (fit.is_swapped, !ahead, turned, fit.quarter_turns[0] > 0)
         };
-        let fits = fits.filter(Self::is_symmetric);
+        let fits = fits.filter(|fit| fit.is_symmetric() && fit.is_beside(position));
         let best = fits.min_by(|a, b| {
             let rest = a.rest_rad.total_cmp(&b.rest_rad);
             order(a).cmp(&order(b)).then(rest)
@@ -79,6 +82,16 @@ impl MountFit {
         mean.x > mean.z.abs()
     }
 
+    /// Whether the line between the eyes runs sideways in the body.
+    fn is_beside(&self, position: &Vector3<f64>) -> bool {
+        (self.rotations[0] * position).y.abs() >= BESIDE * position.norm()
+    }
+
+    fn looks_back(&self) -> bool {
+        let mean = self.mean_axis();
+        !self.looks_opposite() && mean.x < -mean.z.abs()
+    }
+
     /// What to tell the user, a sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
@@ -100,8 +113,8 @@ impl MountFit {
         }
         if self.is_swapped {
             remarks.push(
-                "the left eye comes to lie on the right: left and right are swapped, or both eyes are \
-                 upside down"
+                "the left eye comes to lie on the right, or the eyes look back: left and right are swapped, \
+                 or both eyes are upside down"
                     .into(),
             );
         }
@@ -125,14 +138,16 @@ impl MountFit {
         let between = upright[0].inverse() * left_from_right * upright[1];
         let (psi_rad, tau_rad, rotations, rest_rad) = nearest(&between);
         let rotations = [0, 1].map(|eye: usize| rotations[eye] * upright[eye].inverse());
-        Self {
+        let mut fit = Self {
             psi_rad,
             tau_rad,
             rotations,
             quarter_turns: turns,
             rest_rad,
-            is_swapped: (rotations[0] * position).y > 0.0,
-        }
+            is_swapped: false,
+        };
+        fit.is_swapped = (rotations[0] * position).y > 0.0 || fit.looks_back();
+        fit
     }
 }
 
@@ -140,7 +155,7 @@ impl MountFit {
 /// camera <- right camera is a turn by 2 y about `(0, cos tau, -sin tau)`, so the part of the rotation
 /// vector in that plane gives both angles.
 fn nearest(left_from_right: &Rotation3<f64>) -> (f64, f64, [Rotation3<f64>; 2], f64) {
-    let turn = left_from_right.scaled_axis();
+    let turn = vector_of_rotation(left_from_right);
     let (along, down) = (turn.y, -turn.z);
     let planar = libm::hypot(along, down);
     // Turns beyond half a circle come out the other way round: there tau is beyond 90 degrees.
@@ -155,7 +170,7 @@ fn nearest(left_from_right: &Rotation3<f64>) -> (f64, f64, [Rotation3<f64>; 2], 
     let [left, right] =
         [Side::Left, Side::Right].map(|side| Pose::mount_rotation(side, psi_rad, tau_rad));
     // What is left in the body frame: left R_LR right^T.
-    let rest: Vector3<f64> = (left * left_from_right * right.inverse()).scaled_axis();
+    let rest = vector_of_rotation(&(left * left_from_right * right.inverse()));
     let half = Rotation3::from_scaled_axis(rest / 2.0);
     let rotations = [half.inverse() * left, half * right];
     (psi_rad, tau_rad, rotations, rest.norm())

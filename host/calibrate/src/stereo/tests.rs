@@ -247,7 +247,8 @@ fn cameras_turned_about_their_axes_are_told() {
         let said = fit.remarks().len();
         assert_eq!(said, turns.iter().filter(|turns| **turns > 0).count());
     }
-    // Turned against each other by a quarter each they are, to the pictures, upright eyes that look aside
+    // Turned against each other by a quarter each (an exact half turn between the cameras here) they are,
+    // to the pictures, upright eyes that look aside
     // and up, as a mount's tau may have them: upright comes first.
     let quarter = |by: f64| Rotation3::from_axis_angle(&nalgebra::Vector3::z_axis(), by);
     let [left, right] = [(0, 1.0), (1, -1.0)].map(|(eye, sign): (usize, f64)| {
