@@ -86,10 +86,11 @@ const CAMPAIGNS: [Campaign; 9] = [
     },
     Campaign {
         name: "registration",
-        proves: "eyes placed by real boards and natural features beside published poses; seams",
-        minutes: 12,
+        proves: "eyes placed by real boards and natural features beside published poses, and off their mounts; seams",
+        minutes: 16,
         part: REGISTRATION,
         work: Work::Ignored(&[
+            "host/stitch/lib",
             "host/stitch/boards",
             "host/stitch/colour_and_alignment",
             "host/stitch/natural",

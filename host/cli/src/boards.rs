@@ -12,10 +12,6 @@ use tectum_stitch::matching::{Outcome, Relative, Sighting, match_boards};
 
 use crate::{detecting, files, pictures};
 
-/// How far off the rig's poses may be when they tell the labels of a board, rad: a quarter of what a
-/// square of the usual board takes up at the usual distance.
-const TRUSTED_RAD: f64 = 0.02;
-
 /// Boards to look for.
 #[derive(clap::Args)]
 pub struct TargetArgs {
@@ -85,7 +81,7 @@ pub fn paired(
         let boards = sightings.iter().flat_map(|shot| &shot[eye].boards);
         boards.map(|board| board.view.corners.len()).sum()
     });
-    let relative = Relative::of(rig, TRUSTED_RAD);
+    let relative = Relative::roughly(rig);
     let eyes = [&left.eye, &right.eye];
     Ok(Boards {
         corners,
@@ -93,10 +89,26 @@ pub fn paired(
     })
 }
 
-/// Why boards gave no pairs, a line each.
-pub fn refused(outcomes: &[Outcome]) -> impl Iterator<Item = String> {
-    outcomes.iter().filter_map(|outcome| {
-        let why = outcome.result.as_ref().err()?;
-        Some(format!("pair {}: {why}", outcome.shot + 1))
-    })
+/// Why boards gave no pairs: a line for each reason, with the pairs it holds for.
+pub fn refused(outcomes: &[Outcome]) -> Vec<String> {
+    let mut reasons: Vec<(String, Vec<usize>)> = Vec::new();
+    for outcome in outcomes {
+        let Err(why) = &outcome.result else {
+            continue;
+        };
+        let (why, pair) = (why.to_string(), outcome.shot + 1);
+        match reasons.iter_mut().find(|(reason, _)| *reason == why) {
+            Some((_, pairs)) if pairs.last() == Some(&pair) => {}
+            Some((_, pairs)) => pairs.push(pair),
+            None => reasons.push((why, vec![pair])),
+        }
+    }
+    let lines = reasons.into_iter().map(|(why, pairs)| match pairs[..] {
+        [pair] => format!("pair {pair}: {why}"),
+        _ => {
+            let pairs: Vec<String> = pairs.iter().map(usize::to_string).collect();
+            format!("pairs {}: {why}", pairs.join(", "))
+        }
+    });
+    lines.collect()
 }

@@ -20,6 +20,7 @@ pub mod features;
 pub mod matching;
 pub mod orientation;
 pub mod registration;
+pub mod relative;
 pub mod report;
 pub mod seam;
 mod views;

@@ -159,7 +159,12 @@ fn a_stereo_pair_is_paired_in_all_shots_and_in_no_other_ones() {
     let relative = Relative::of(&rig, 1f64.to_radians()).unwrap();
     let shots: Vec<_> = left.iter().cloned().zip(right.iter().cloned()).collect();
     let shots: Vec<[Sighting; 2]> = shots.into_iter().map(|(a, b)| [a, b]).collect();
-    for (name, relative) in [("by the rig", Some(&relative)), ("by the shots", None)] {
+    let rough = Relative::roughly(&rig).unwrap();
+    for (name, relative) in [
+        ("by the rig", Some(&relative)),
+        ("by the shots near the rig", Some(&rough)),
+        ("by the shots", None),
+    ] {
         let outcomes = match_boards(lenses, &targets, &shots, relative);
         let paired = outcomes
             .iter()
@@ -199,13 +204,13 @@ fn a_stereo_pair_is_paired_in_all_shots_and_in_no_other_ones() {
     // All out of step by one: the shots contradict each other.
     let late = left.iter().zip(right.iter().cycle().skip(1));
     let late: Vec<[Sighting; 2]> = late.map(|(a, b)| [a.clone(), b.clone()]).collect();
-    let outcomes = match_boards(lenses, &targets, &late, None);
-    let paired = outcomes
-        .iter()
-        .filter(|outcome| outcome.result.is_ok())
-        .count();
-    println!("out of step by one: {paired} of 34");
-    assert_eq!(paired, 0);
+    for relative in [None, Some(&rough)] {
+        let outcomes = match_boards(lenses, &targets, &late, relative);
+        let paired = outcomes.iter().filter(|outcome| outcome.result.is_ok());
+        let paired = paired.count();
+        println!("out of step by one: {paired} of 34");
+        assert_eq!(paired, 0);
+    }
 }
 
 /// Distance, px RMS, of pairs of points from one affine map of left to right.
@@ -289,5 +294,49 @@ fn diverging_eyes_pair_their_boards() {
         let paired = paired.count();
         println!("  out of step by one: {paired} of 8 paired");
         assert!(paired == 0 || relative.is_some());
+    }
+    // Guessed axes, up to ten degrees off: always all boards, and the same rotation.
+    let mut rotations = Vec::new();
+    for [left, right, pitch] in [
+        [-52.0, 52.0, 0.0],
+        [-42.0, 52.0, 0.0],
+        [-62.0, 52.0, 0.0],
+        [-52.0, 52.0, 10.0],
+        [-52.0, 52.0, -10.0],
+        [-48.0, 48.0, 0.0],
+        [-56.0, 56.0, 0.0],
+        [-52.0, 48.0, 6.0],
+        [-48.0, 52.0, -6.0],
+    ] {
+        let text = format!(
+            "name = 'slug'\nmedium = 'air'\nstitch_distance_m = 1.0\n[left]\n{}[right]\n{}",
+            eye(left),
+            eye(right).replace("pitch_deg = 0.0", &format!("pitch_deg = {pitch:?}"))
+        );
+        let guess = Rig::from_toml(&text, "slug").unwrap();
+        let outcomes = match_boards(lenses, &targets, &shots, Relative::roughly(&guess).as_ref());
+        let paired = outcomes.iter().filter(|outcome| outcome.result.is_ok());
+        let paired = paired.count();
+        let found = register(&guess, &Tie::of_boards(&outcomes), &Options::default());
+        let found = match found {
+            Ok(found) => found,
+            Err(error) => panic!("{left} {right} {pitch}: {error}; {:?}", outcomes[0].result),
+        };
+        println!(
+            "slug guessed at {left} {right} {pitch}: {paired} of 8, turned {:.3} deg, standard error {:.3}, \
+             {:?}, {:.2} px",
+            found.turn_deg, found.turn_standard_error_deg, found.moved, found.rms_px
+        );
+        assert_eq!(paired, 8);
+        let [left, right] = eyes(&found.rig).map(|eye| eye.pose.rotation);
+        rotations.push(left.inverse() * right);
+    }
+    for rotation in &rotations {
+        let off_deg = (rotation.inverse() * rotations[0])
+            .scaled_axis()
+            .norm()
+            .to_degrees();
+        println!("  {off_deg:.3} deg from the first");
+        assert!(off_deg < 0.2, "{off_deg}");
     }
 }

@@ -228,7 +228,7 @@ pub fn directions(eyes: &[Eye; 2], tied: &StereoCalibration, medium: Medium) {
 
     let calibrated = rig([tied.left.clone(), tied.right.clone()], eyes, tied.poses());
     let found = aligned(&calibrated, &table(&calibrated), eyes, &boards);
-    let put_right = corrected(&calibrated, &found.turn, &Correction::Turn, [256, 128]);
+    let put_right = corrected(&calibrated, &found, &Correction::Turn, [256, 128]);
     let bytes = table(&put_right.expect("a rig").rig);
     let tables = Tables::parse(&bytes).expect("parses");
     let [pixels, unparallaxed] = raw_pixels(&tables, eyes, &pool);
@@ -263,7 +263,7 @@ pub fn directions(eyes: &[Eye; 2], tied: &StereoCalibration, medium: Medium) {
     let found = aligned(&nominal, &table(&nominal), eyes, &boards);
     let scale = found.own_scale().expect("a scale");
     let left_out = scale.left_out_rms_rad.to_degrees();
-    let own = corrected(&nominal, &found.turn, &Correction::Scale(scale), [256, 128]);
+    let own = corrected(&nominal, &found, &Correction::Scale(scale), [256, 128]);
     let own = own.expect("a rig");
     let warp = own.warp.expect("a bend").map().expect("its size");
     let stitching = tectum_optics::Stitching {

@@ -74,9 +74,10 @@ impl StereoCalibration {
         (ratio > ALIKE).then_some(ratio)
     }
 
-    /// The symmetric mount that is nearest to the eyes' relative rotation.
+    /// The symmetric mount that is nearest to the eyes' relative pose, cameras turned by quarters where
+    /// upright ones do not fit.
     pub fn mount(&self) -> MountFit {
-        MountFit::of(&self.rotation)
+        MountFit::of(&self.rotation, &self.position_mm)
     }
 
     /// Poses of the left and the right eye in the body frame of that mount, whose origin is midway

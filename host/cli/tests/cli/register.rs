@@ -91,7 +91,10 @@ fn wrong_pictures_are_refused_in_a_sentence() {
     let bench = Bench::with_pictures();
     for (arguments, part) in [
         ("--matcher board", "--target FILE.json"),
-        ("--board 8x6 --square-mm 30", "pairs"),
+        (
+            "--board 8x6 --square-mm 30",
+            "no pairs of points: pair 1: the right eye sees no such board",
+        ),
         ("--target none.json", "none.json"),
         ("--matcher superpoint", "superpoint"),
     ] {

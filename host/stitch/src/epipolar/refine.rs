@@ -173,10 +173,10 @@ fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
 
 /// Inverse of normal equations; `None` if a direction shows in the rays hardly more than rounding.
 fn inverse<const N: usize>(h: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
-    const LEAST_SHARE: f64 = 1e-9;
+    const MIN_SHARE: f64 = 1e-9;
     let curvatures = DMatrix::from_column_slice(N, N, h.as_slice()).symmetric_eigenvalues();
     let (least, most) = (curvatures.min(), curvatures.max());
-    (least > LEAST_SHARE * most).then(|| h.try_inverse())?
+    (least > MIN_SHARE * most).then(|| h.try_inverse())?
 }
 
 fn refine_rotation(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Option<Refined> {

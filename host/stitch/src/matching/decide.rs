@@ -3,16 +3,16 @@
 use tectum_calibrate::stereo::{Agreement, BoardPair, agreement};
 
 use super::readings::Pairing;
-use super::{Cue, Outcome, Refusal, Relative};
+use super::{Cue, Outcome, Refusal, Relative, rough};
 
 /// Sights of shots that agree differ by less than this, rad, as in stereo calibration: more than two
 /// separately calibrated eyes are off, less than a board turned round.
 const AGREES_RAD: f64 = 0.03;
 /// Fewest shots that settle readings which nothing else does.
-const LEAST_SHOTS: usize = 3;
+pub const MIN_SHOTS: usize = 3;
 
 type Found = (usize, usize, Result<Pairing, Refusal>);
-type Chosen = Result<(usize, Cue), Refusal>;
+pub type Chosen = Result<(usize, Cue), Refusal>;
 
 /// A reading for each shot and target, or why there is none.
 pub fn decide(found: Vec<Found>, relative: Option<&Relative>) -> Vec<Outcome> {
@@ -21,7 +21,10 @@ pub fn decide(found: Vec<Found>, relative: Option<&Relative>) -> Vec<Outcome> {
         .filter_map(|(_, _, pairing)| pairing.as_ref().ok());
     let pairings: Vec<&Pairing> = pairings.collect();
     let chosen = match relative {
-        Some(relative) => by_rig(&pairings, relative),
+        Some(relative) => match relative.slack {
+            Some(slack) => rough::by_shots(&pairings, relative, slack),
+            None => by_rig(&pairings, relative),
+        },
         None => by_shots(&pairings),
     };
     let mut chosen = chosen.into_iter();
@@ -45,7 +48,7 @@ pub fn decide(found: Vec<Found>, relative: Option<&Relative>) -> Vec<Outcome> {
 
 /// By the rig's relative pose: one reading within its tolerance, every other beyond twice that. Of
 /// those that pass, shots that stand against most others fall.
-fn by_rig(pairings: &[&Pairing], relative: &Relative) -> Vec<Chosen> {
+pub fn by_rig(pairings: &[&Pairing], relative: &Relative) -> Vec<Chosen> {
     let pose = relative.right_from_left();
     let tolerance = relative.tolerance_rad;
     let each = pairings.iter().map(|pairing| {
@@ -85,7 +88,7 @@ fn by_rig(pairings: &[&Pairing], relative: &Relative) -> Vec<Chosen> {
         .collect();
     let (places, pairs): (Vec<usize>, Vec<BoardPair>) = settled.into_iter().unzip();
     if let Some(best) = agreement(&pairs, AGREES_RAD.min(tolerance))
-        && best.agreeing >= LEAST_SHOTS
+        && best.agreeing >= MIN_SHOTS
         && 2 * best.agreeing > pairs.len()
     {
         for (place, reading) in places.into_iter().zip(best.readings) {
@@ -143,5 +146,5 @@ fn is_sure(best: &Agreement, pairings: &[&Pairing]) -> bool {
     let open = best.agreeing > agreeing_marked;
     let most = 2 * agreeing_marked > marked || marked == 0;
     most && best.agreeing >= 2
-        && (!open || (best.agreeing >= LEAST_SHOTS && 2 * best.rival <= best.agreeing))
+        && (!open || (best.agreeing >= MIN_SHOTS && 2 * best.rival <= best.agreeing))
 }

@@ -74,6 +74,35 @@ pub enum Refusal {
         /// Least angle between both eyes' sights over all readings, degrees.
         off_deg: f64,
     },
+    /// The pictures of the eyes are swapped.
+    #[error(
+        "the eyes are swapped: the left pictures fit the right eye, and the right ones the left; give \
+         them the other way round"
+    )]
+    Swapped,
+    /// The pictures of the eyes are swapped, or all of them are mirrored: before eyes that are alike
+    /// that is the same.
+    #[error(
+        "the eyes are swapped (the left pictures fit the right eye, the right ones the left), or all \
+         pictures are mirrored; this rig's eyes are alike, so that boards cannot tell which"
+    )]
+    SwappedOrMirrored,
+    /// All shots agree on eyes that stand to each other unlike the rig's.
+    #[error(
+        "the boards put the eyes {turn_deg:.1} degrees and {shift_mm:.0} mm from where the rig has them, \
+         at most {most_turn_deg:.0} degrees and {most_shift_mm:.0} mm are allowed: another rig, or poses \
+         that are no more than a guess; measure them, or let `tectum calibrate` find them"
+    )]
+    OtherRig {
+        /// Turn of the eyes against each other, degrees.
+        turn_deg: f64,
+        /// Shift of the eyes against each other, mm.
+        shift_mm: f64,
+        /// Turn allowed, degrees.
+        most_turn_deg: f64,
+        /// Shift allowed, mm.
+        most_shift_mm: f64,
+    },
     /// Other shots imply another relative pose of the eyes.
     #[error("other shots put the eyes elsewhere: pictures of different instants, or swapped eyes")]
     OtherShots,

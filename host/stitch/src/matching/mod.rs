@@ -5,17 +5,20 @@
 //! Here the marker's corners, carried into the board's plane along the calibrated eye's rays, vote
 //! for the labels of each view, so that any part of the board will do, turned any way; one vote
 //! against, and there are no pairs. Where a marker is missing, the rays of both eyes decide, with a
-//! margin: by the rig's relative pose, or by what several shots agree on.
+//! margin: by what several shots agree on, or by the rig's relative pose where that is known well. A rig
+//! whose mount is rough ([`Relative::roughly`]) only says whether the eyes found are its own.
 //!
 //! ```text
 //! pictures ──► Sighting ──► eyes: pose and placement ──► readings ──► decide ──► Match | Refusal
 //! ```
 
 mod decide;
+mod diagnose;
 mod error;
 mod placement;
 mod pose;
 mod readings;
+mod rough;
 mod seen;
 mod sighting;
 #[cfg(test)]
@@ -32,6 +35,8 @@ use tectum_optics::{Eye, Rig};
 use crate::{Correspondence, Eyes};
 pub use error::{Refusal, Vote};
 pub use placement::Placement;
+pub use pose::Sight;
+pub(crate) use pose::board_pose;
 pub use sighting::{SeenBoard, SeenMarker, Sighting};
 
 /// What is known of the eyes' relative pose.
@@ -41,9 +46,46 @@ pub struct Relative {
     pub rotation: Rotation3<f64>,
     /// The right eye's centre in the left camera's frame, m.
     pub position_m: Vector3<f64>,
-    /// How far off sights may be by it, rad.
+    /// How far off sights may be by it where nothing else tells the labels, rad.
     pub tolerance_rad: f64,
+    /// How far off it may be itself; `None` if no more than the tolerance.
+    pub slack: Option<Slack>,
 }
+
+/// How far a mount may be from what its rig says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slack {
+    /// Turn of the eyes against each other, rad.
+    pub turn_rad: f64,
+    /// Shift of the eyes against each other, mm.
+    pub shift_mm: f64,
+}
+
+impl Slack {
+    /// Turn that is allowed, rad: 15 degrees, and what three pairs of boards leave unsure.
+    pub const TURN_RAD: f64 = 0.28;
+    /// Shift that is allowed, baselines: less than what swapped pictures make of any rig.
+    const BASELINES: f64 = 0.75;
+    /// A rig whose eyes are nearer together than this says nothing of their positions, mm.
+    const UNKNOWN_MM: f64 = 1.0;
+    /// Shift that is allowed then, mm.
+    const ANY_MM: f64 = 2000.0;
+
+    /// For a rig whose eyes are this far apart.
+    pub fn of(baseline_mm: f64) -> Self {
+        Self {
+            turn_rad: Self::TURN_RAD,
+            shift_mm: match baseline_mm < Self::UNKNOWN_MM {
+                true => Self::ANY_MM,
+                false => baseline_mm * Self::BASELINES,
+            },
+        }
+    }
+}
+
+/// How far off a rig's poses may be where they alone tell the labels of a board, rad: a quarter of what
+/// a square of the usual board takes up at the usual distance.
+const TRUSTED_RAD: f64 = 0.02;
 
 impl Relative {
     /// As a rig has it; `None` if it has not both eyes.
@@ -54,16 +96,32 @@ impl Relative {
             rotation: back * right.rotation,
             position_m: back * (right.position_m - left.position_m),
             tolerance_rad,
+            slack: None,
         })
+    }
+
+    /// As a rig has it whose mount came out of a workshop: labels by markers and by what the shots agree
+    /// on, and the rig only says whether the eyes found are its own. `None` if it has not both eyes.
+    pub fn roughly(rig: &Rig) -> Option<Self> {
+        let sure = Self::of(rig, TRUSTED_RAD)?;
+        let slack = Slack::of(sure.position_m.norm() * 1000.0);
+        Some(Self {
+            slack: Some(slack),
+            ..sure
+        })
+    }
+
+    /// Left camera <- right camera, mm.
+    fn left_from_right(&self) -> BoardPose {
+        BoardPose {
+            rotation: self.rotation,
+            position_mm: self.position_m * 1000.0,
+        }
     }
 
     /// Right camera <- left camera, mm.
     fn right_from_left(&self) -> BoardPose {
-        let left_from_right = BoardPose {
-            rotation: self.rotation,
-            position_mm: self.position_m * 1000.0,
-        };
-        left_from_right.inverse()
+        self.left_from_right().inverse()
     }
 }
 
@@ -115,8 +173,22 @@ pub struct Outcome {
 
 /// Pairs the corners of all targets in all shots. Every shot has an outcome for every target that
 /// has a board. `relative` may be left out; then a shot whose marker is not seen by both eyes needs
-/// others that agree with it.
+/// others that agree with it. Where all shots are refused, swapped and mirrored pictures are told.
 pub fn match_boards(
+    eyes: Eyes<&Eye>,
+    targets: &[Target],
+    shots: &[Eyes<Sighting>],
+    relative: Option<&Relative>,
+) -> Vec<Outcome> {
+    let outcomes = attempt(eyes, targets, shots, relative);
+    match relative.filter(|relative| relative.slack.is_some()) {
+        Some(relative) => diagnose::reasons(eyes, targets, shots, relative, outcomes),
+        None => outcomes,
+    }
+}
+
+/// The same, with what the pictures show taken as it is.
+fn attempt(
     eyes: Eyes<&Eye>,
     targets: &[Target],
     shots: &[Eyes<Sighting>],

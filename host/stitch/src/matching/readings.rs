@@ -8,8 +8,10 @@ use tectum_calibrate::{Board, BoardPose};
 use tectum_optics::convention::angle_between;
 
 use super::placement::{Placement, labels};
+use super::pose::Sight;
 use super::seen::Seen;
 use super::{Cue, Match, MatchedCorner, Refusal};
+use crate::relative::BoardSights;
 use crate::{Correspondence, Eyes};
 
 /// A board that both eyes see.
@@ -60,6 +62,48 @@ impl Pairing {
             readings: maps.collect(),
             points_mm: self.ends_mm(),
         }
+    }
+
+    /// All sights of both eyes by a reading, points as the left view's labels have them.
+    pub fn sights(&self, reading: usize) -> BoardSights {
+        let [left, right] = &self.readings[reading];
+        let map = left.inverse().after(right).map(self.board.square_mm);
+        let of_right = self.seen[1].sights.iter().map(|sight| Sight {
+            point_mm: map.apply(&sight.point_mm),
+            ray: sight.ray,
+        });
+        BoardSights {
+            eyes: [self.seen[0].sights.clone(), of_right.collect()],
+            start: self.seen[0].pose,
+        }
+    }
+
+    /// Left camera <- right camera as a reading of this board alone implies it, mm.
+    pub fn implied(&self, reading: usize) -> BoardPose {
+        let [left, right] = &self.readings[reading];
+        let map = left.inverse().after(right).map(self.board.square_mm);
+        let [in_left, in_right] = [0, 1].map(|eye: usize| self.seen[eye].pose);
+        in_left.after(&map).after(&in_right.inverse())
+    }
+
+    /// The readings that `relative` (right camera <- left camera, mm) comes nearest to, by index.
+    pub fn nearest_readings(&self, relative: &BoardPose, count: usize) -> Vec<usize> {
+        let mut offsets: Vec<(usize, f64)> =
+            self.offsets_rad(relative).into_iter().enumerate().collect();
+        offsets.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let nearest = offsets.into_iter().take(count);
+        nearest.map(|(reading, _)| reading).collect()
+    }
+
+    /// RMS over both eyes of the angle between a corner and its ray, with the board where that eye alone
+    /// puts it, rad: corners found roughly, and a lens that is not quite the one assumed.
+    pub fn own_rms_rad(&self) -> f64 {
+        let (square, count) = self.seen.iter().fold((0.0, 0), |(square, count), seen| {
+            let corners = seen.sights.len();
+            let own = seen.rms_rad * seen.rms_rad * corners as f64;
+            (square + own, count + corners)
+        });
+        libm::sqrt(square / count.max(1) as f64)
     }
 
     /// The corners of the right view that lie farthest out along its diagonals.

@@ -19,8 +19,12 @@ const FLAT_SHARE: f64 = 0.2;
 pub struct Seen {
     /// Corners.
     pub view: View,
+    /// Corners at the view's labels, and their rays.
+    pub sights: Vec<Sight>,
     /// Camera <- the view's labels, mm.
     pub pose: BoardPose,
+    /// RMS of the angle between a corner and its ray by that pose, rad.
+    pub rms_rad: f64,
     /// The board's labels from the view's, if the marker tells.
     pub placement: Option<Placement>,
 }
@@ -36,7 +40,7 @@ pub fn boards(
     sighting: &Sighting,
 ) -> Vec<Result<Seen, Refusal>> {
     let name = NAMES[which];
-    let posed: Vec<Vec<Option<Result<BoardPose, Refusal>>>> = targets
+    let posed: Vec<Vec<Option<Result<Posed, Refusal>>>> = targets
         .iter()
         .map(|target| posed(eye, name, target, sighting))
         .collect();
@@ -77,11 +81,13 @@ pub fn boards(
         if placement.is_none() && sighting.mirrored {
             return Err(Refusal::Mirrored { eye: name });
         }
-        let pose = poses[index].clone();
-        let pose = pose.unwrap_or(Err(Refusal::NoBoard { eye: name }))?;
+        let posed = poses[index].clone();
+        let posed = posed.unwrap_or(Err(Refusal::NoBoard { eye: name }))?;
         Ok(Seen {
             view: sighting.boards[index].view.clone(),
-            pose,
+            sights: posed.sights,
+            pose: posed.pose,
+            rms_rad: posed.rms_rad,
             placement,
         })
     });
@@ -123,7 +129,7 @@ fn posed(
     name: &'static str,
     target: &Target,
     sighting: &Sighting,
-) -> Vec<Option<Result<BoardPose, Refusal>>> {
+) -> Vec<Option<Result<Posed, Refusal>>> {
     let board = sighting::board(target);
     let seen = sighting.boards.iter().map(|seen| {
         let board = board.filter(|board| board.size == seen.size)?;
@@ -132,7 +138,15 @@ fn posed(
     seen.collect()
 }
 
-fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<BoardPose, Refusal> {
+/// A board's pose in the camera frame, and the sights that it was found from.
+#[derive(Debug, Clone)]
+struct Posed {
+    sights: Vec<Sight>,
+    pose: BoardPose,
+    rms_rad: f64,
+}
+
+fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Posed, Refusal> {
     let sights: Vec<Sight> = view
         .corners
         .iter()
@@ -143,7 +157,7 @@ fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Boa
             })
         })
         .collect();
-    let Some((pose, rms)) = board_pose(&sights) else {
+    let Some((pose, rms_rad)) = board_pose(&sights) else {
         return Err(Refusal::NoBoard { eye: name });
     };
     // Seen from behind, labels would run the other way round in the picture.
@@ -153,13 +167,17 @@ fn pose(eye: &Eye, name: &'static str, board: &Board, view: &View) -> Result<Boa
     }
     let nearest = sights.iter().map(|s| pose.apply(&s.point_mm).norm());
     let square_rad = board.square_mm / nearest.fold(f64::INFINITY, f64::min);
-    if rms > FLAT_SHARE * square_rad {
+    if rms_rad > FLAT_SHARE * square_rad {
         return Err(Refusal::NoPose {
             eye: name,
-            rms_deg: rms.to_degrees(),
+            rms_deg: rms_rad.to_degrees(),
         });
     }
-    Ok(pose)
+    Ok(Posed {
+        sights,
+        pose,
+        rms_rad,
+    })
 }
 
 /// The board that the target's marker belongs to, and how it lies. `None` without the marker.
@@ -168,7 +186,7 @@ fn by_marker(
     name: &'static str,
     target: &Target,
     sighting: &Sighting,
-    poses: &[Option<Result<BoardPose, Refusal>>],
+    poses: &[Option<Result<Posed, Refusal>>],
 ) -> Option<Result<(usize, Placement), Refusal>> {
     let target = sighting::overlap(target)?;
     let markers = sighting.markers_of(target);
@@ -192,9 +210,9 @@ fn by_marker(
         match pose {
             None => {}
             Some(Err(refusal)) => refused = Some(refusal.clone()),
-            Some(Ok(pose)) => {
+            Some(Ok(posed)) => {
                 let view = &sighting.boards[index].view;
-                match placement::by_marker(target, view, pose, &[a, b, c, d]) {
+                match placement::by_marker(target, view, &posed.pose, &[a, b, c, d]) {
                     Ok(placement) => placed.push((index, placement)),
                     Err(vote) => against = Some(vote),
                 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use tectum_calibrate::detect::chessboard::detect_all;
 use tectum_calibrate::detect::marker::{self, MarkerOptions, MarkerView};
 use tectum_calibrate::target::{OverlapTarget, Target};
-use tectum_calibrate::{Board, BoardSize, Dictionary, DictionaryError, View};
+use tectum_calibrate::{Board, BoardSize, Corner, Dictionary, DictionaryError, View};
 
 /// A board of a size in a picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -70,6 +70,42 @@ impl Sighting {
             sighting.markers.extend(seen);
         }
         Ok(sighting)
+    }
+
+    /// What the picture `width_px` wide would show if it were not mirrored left to right. Labels are
+    /// turned back too, since a detector gives them in the picture's own sense; markers are left out,
+    /// since none can be read in a mirrored picture.
+    pub fn mirrored_back(&self, width_px: u16) -> Self {
+        let last = f64::from(width_px) - 1.0;
+        let boards = self.boards.iter().map(|seen| {
+            // Backwards along the side with an odd number of squares, so that colours stay.
+            let by_column = seen.size.columns % 2 == 0;
+            let count = match by_column {
+                true => seen.size.columns,
+                false => seen.size.rows,
+            };
+            let corners = seen.view.corners.iter().map(|corner| {
+                let [x, y] = corner.position_px;
+                let back = |index: u16| (count - 1).saturating_sub(index);
+                Corner {
+                    i: if by_column { back(corner.i) } else { corner.i },
+                    j: if by_column { corner.j } else { back(corner.j) },
+                    position_px: [last - x, y],
+                    sigma_px: corner.sigma_px,
+                }
+            });
+            SeenBoard {
+                size: seen.size,
+                view: View {
+                    corners: corners.collect(),
+                },
+            }
+        });
+        Self {
+            boards: boards.collect(),
+            markers: Vec::new(),
+            mirrored: false,
+        }
     }
 
     /// The target's own markers.

@@ -3,14 +3,14 @@
 use nalgebra::{Rotation3, Vector3};
 use tectum_optics::{Pose, RgbCurves, Rig, RigError, StitchingFile};
 
-use super::{Alignment, OwnScale};
+use super::{Alignment, OwnScale, TurnAbout};
 use crate::align::Warp;
 use crate::seam::shares_png;
 
 /// What of the alignment a rig takes over.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Correction {
-    /// The turn of both eyes together: for calibrated eyes.
+    /// The turn of both eyes: for calibrated eyes.
     Turn,
     /// The turn, and a bend of the picture by the boards' own scale: for eyes that are not.
     Scale(OwnScale),
@@ -43,10 +43,11 @@ impl Alignment {
 /// [`RigError`] if the turned rig is not allowed.
 pub fn corrected(
     rig: &Rig,
-    turn: &Rotation3<f64>,
+    found: &Alignment,
     correction: &Correction,
     seam_px: [u16; 2],
 ) -> Result<Corrected, RigError> {
+    let turn = &found.turn;
     let pose = |eye: &Option<tectum_optics::RigEye>| {
         let still = Pose {
             rotation: Rotation3::identity(),
@@ -54,7 +55,10 @@ pub fn corrected(
         };
         eye.as_ref().map_or(still, |eye| Pose {
             rotation: turn * eye.pose.rotation,
-            position_m: turn * eye.pose.position_m,
+            position_m: match found.about {
+                TurnAbout::Body => turn * eye.pose.position_m,
+                TurnAbout::Eyes => eye.pose.position_m,
+            },
         })
     };
     let mut turned = rig.with_poses([pose(&rig.left), pose(&rig.right)])?;

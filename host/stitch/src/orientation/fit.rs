@@ -7,6 +7,7 @@ use tectum_optics::{OutputMap, Rig, Side, direction_at, rotation_vector, vector_
 use super::labels::{Labelled, label};
 use super::{OrientationError, Placement, Shot};
 use crate::registration::rotations::nearest_rotation;
+use crate::relative::turn_between;
 
 /// A corner of a board.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +51,27 @@ pub struct BoardSeen {
     pub rms_rad: f64,
 }
 
+/// What turned when a picture's directions are off by a turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TurnAbout {
+    /// Both eyes as one piece about the body's origin: the eyes' places turn too.
+    Body,
+    /// Each eye about its own centre: the eyes' places stay.
+    Eyes,
+}
+
+/// A turn of both eyes, and what it leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turned {
+    /// What turned.
+    pub about: TurnAbout,
+    /// The turn, body frame.
+    pub turn: Rotation3<f64>,
+    /// RMS of the corners' angles off after it, rad.
+    pub rms_rad: f64,
+}
+
 /// What orientation boards say of a stitched picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alignment {
@@ -57,8 +79,12 @@ pub struct Alignment {
     pub corners: Vec<CornerSeen>,
     /// Boards by picture.
     pub boards: Vec<BoardSeen>,
-    /// The turn of the rig in the body that brings the corners nearest to where they should be.
+    /// The turn of both eyes that brings the corners nearest to where they should be.
     pub turn: Rotation3<f64>,
+    /// What it turns: the body, unless turning each eye in its place leaves clearly less.
+    pub about: TurnAbout,
+    /// The other kind of turn, and what that leaves.
+    pub other: Turned,
     /// Standard error of the turn about x, y and z, rad, as the corners' scatter implies it; what the
     /// boards themselves stand wrong comes on top.
     pub turn_sigma_rad: Vector3<f64>,
@@ -66,6 +92,39 @@ pub struct Alignment {
     pub rms_rad: f64,
     /// The same after the turn.
     pub turned_rms_rad: f64,
+}
+
+/// A turn of each eye in its place is believed if it leaves less than this share of what the other does.
+const CLEARLY: f64 = 0.8;
+/// Turns further apart than this many standard errors are not the same.
+const APART_SIGMA: f64 = 4.0;
+
+impl Alignment {
+    /// Whether the two kinds of turn differ by more than their standard error, and neither leaves clearly
+    /// less: somebody who knows what was moved must choose.
+    pub fn is_undecided(&self) -> bool {
+        let apart_rad = turn_between(&self.turn, &self.other.turn);
+        let [less, more] = match self.turned_rms_rad < self.other.rms_rad {
+            true => [self.turned_rms_rad, self.other.rms_rad],
+            false => [self.other.rms_rad, self.turned_rms_rad],
+        };
+        apart_rad > APART_SIGMA * self.turn_sigma_rad.norm() && less > CLEARLY * more
+    }
+
+    /// The same corners with the turn taken as asked for.
+    pub fn with_turn(mut self, about: TurnAbout) -> Self {
+        if about != self.about {
+            let was = Turned {
+                about: self.about,
+                turn: self.turn,
+                rms_rad: self.turned_rms_rad,
+            };
+            (self.about, self.turn) = (self.other.about, self.other.turn);
+            self.turned_rms_rad = self.other.rms_rad;
+            self.other = was;
+        }
+        self
+    }
 }
 
 /// Compares the boards in `shots` with what the stitched picture of `map` and `rig` says.
@@ -107,16 +166,26 @@ pub fn align(
             });
         }
     }
-    let turn = turn(&sights).ok_or(OrientationError::NoShots)?;
+    let [with_body, in_place] =
+        [TurnAbout::Body, TurnAbout::Eyes].map(|about| turned(&sights, about));
+    let (with_body, in_place) = (
+        with_body.ok_or(OrientationError::NoShots)?,
+        in_place.ok_or(OrientationError::NoShots)?,
+    );
+    let is_in_place = in_place.rms_rad < CLEARLY * with_body.rms_rad - ROUNDING_RAD;
+    let (best, other) = match is_in_place {
+        true => (in_place, with_body),
+        false => (with_body, in_place),
+    };
     let of_shot = |index: usize| sights.iter().filter(move |sight| sight.shot == index);
     let square = placement.geometry_m();
     let limit_rad = libm::atan2(square.square(), square.distance()) / 2.0;
     for (index, shot) in shots.iter().enumerate() {
         let own: Vec<Sight> = of_shot(index).copied().collect();
-        let Some(own_turn) = self::turn(&own) else {
+        let Some(own) = turned(&own, best.about) else {
             return Err(OrientationError::NoShots);
         };
-        let off_rad = vector_of_rotation(&(turn.inverse() * own_turn)).norm();
+        let off_rad = turn_between(&best.turn, &own.turn);
         if off_rad > limit_rad {
             return Err(OrientationError::Contradicts {
                 shot: shot.name.clone(),
@@ -130,19 +199,17 @@ pub fn align(
         let origin_m = placement.corner_m(shots[index].side, [0, 0]);
         seen(index, &own, origin_m)
     });
-    let residuals = |turn: &Rotation3<f64>| -> Vec<f64> {
-        let of = |sight: &Sight| angle_between(&(turn * sight.corner.shown), &sight.expected(turn));
-        sights.iter().map(of).collect()
-    };
     let still = Rotation3::identity();
-    let after = residuals(&turn);
+    let after = residuals(&sights, best.about, &best.turn);
     Ok(Alignment {
         boards: boards.collect(),
         turn_sigma_rad: sigma(&sights, &after),
-        rms_rad: rms(&residuals(&still)),
-        turned_rms_rad: rms(&after),
+        rms_rad: rms(&residuals(&sights, TurnAbout::Body, &still)),
+        turned_rms_rad: best.rms_rad,
         corners: sights.iter().map(|sight| sight.seen(&still)).collect(),
-        turn,
+        turn: best.turn,
+        about: best.about,
+        other,
     })
 }
 
@@ -166,6 +233,20 @@ impl Sight {
         direction_at(&eye_m, &ray, self.range_m).unwrap_or(ray)
     }
 
+    /// Ray from the eye to a point.
+    fn ray_to(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        (point_m - self.eye_m).normalize()
+    }
+
+    /// The eye's ray, body frame, that the picture shows where the corner is seen.
+    fn ray_shown(&self) -> Vector3<f64> {
+        if self.range_m.is_finite() {
+            self.ray_to(&(self.corner.shown * self.range_m))
+        } else {
+            self.corner.shown
+        }
+    }
+
     fn expected(&self, turn: &Rotation3<f64>) -> Vector3<f64> {
         self.shows(&self.point_m, turn)
     }
@@ -185,18 +266,46 @@ impl Sight {
 
 /// Rounds of the turn: each comes nearer by the eyes' distance from the body's origin over the board's.
 const ROUNDS: usize = 30;
+/// Below this a residual is rounding, rad.
+const ROUNDING_RAD: f64 = 1e-6;
 
-/// The turn that brings what is shown nearest to what should be; in rounds, since it moves the eyes too.
-fn turn(sights: &[Sight]) -> Option<Rotation3<f64>> {
+/// The turn that brings what is shown nearest to what should be; `None` of too few corners.
+fn turned(sights: &[Sight], about: TurnAbout) -> Option<Turned> {
     let mut turn = Rotation3::identity();
-    for _ in 0..ROUNDS {
+    // The body's turn moves the eyes too, so it is found in rounds; eyes that stay need one.
+    let rounds = match about {
+        TurnAbout::Body => ROUNDS,
+        TurnAbout::Eyes => 1,
+    };
+    for _ in 0..rounds {
         let correlation: Matrix3<f64> = sights
             .iter()
-            .map(|sight| sight.expected(&turn) * sight.corner.shown.transpose())
+            .map(|sight| match about {
+                TurnAbout::Body => sight.expected(&turn) * sight.corner.shown.transpose(),
+                TurnAbout::Eyes => sight.ray_to(&sight.point_m) * sight.ray_shown().transpose(),
+            })
             .sum();
         turn = nearest_rotation(&correlation)?;
     }
-    (sights.len() >= 3).then_some(turn)
+    let rms_rad = rms(&residuals(sights, about, &turn));
+    (sights.len() >= 3).then_some(Turned {
+        about,
+        turn,
+        rms_rad,
+    })
+}
+
+/// Angles between what is shown, turned, and what should be, rad.
+fn residuals(sights: &[Sight], about: TurnAbout, turn: &Rotation3<f64>) -> Vec<f64> {
+    let each = sights.iter().map(|sight| match about {
+        TurnAbout::Body => angle_between(&(turn * sight.corner.shown), &sight.expected(turn)),
+        TurnAbout::Eyes => {
+            let ray = turn * sight.ray_shown();
+            let shown = direction_at(&sight.eye_m, &ray, sight.range_m).unwrap_or(ray);
+            angle_between(&shown, &sight.expected(&Rotation3::identity()))
+        }
+    });
+    each.collect()
 }
 
 fn rms(values: &[f64]) -> f64 {

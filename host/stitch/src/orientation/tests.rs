@@ -6,6 +6,7 @@ use tectum_optics::design::OrientationBoard;
 use tectum_optics::{OutputMap, Pose, Projection, Rig, Side, rotation_vector, vector_of_rotation};
 
 use super::*;
+use crate::relative::turn_between;
 
 const RIG: &str = "name = \"fish\"\nmedium = \"water\"\nstitch_distance_m = 2.0\n\
     [mount]\npsi_deg = 25.7\ntau_deg = 29.15\nlateral_mm = 30.0\n\
@@ -34,6 +35,11 @@ fn placement() -> Placement {
 /// What a picture of `rig` shows of the board if its eyes are truly turned by `turn` in the body, as
 /// a detector labels it, from the left or from below.
 fn shot(side: Side, turn: &Rotation3<f64>, upside_down: bool) -> Shot {
+    shot_of(side, turn, TurnAbout::Body, upside_down)
+}
+
+/// The same, with the eyes turned as one piece or each in its place.
+fn shot_of(side: Side, turn: &Rotation3<f64>, about: TurnAbout, upside_down: bool) -> Shot {
     let (rig, map, placement) = (rig(), map(), placement());
     let eye = match side {
         Side::Left => rig.left.as_ref(),
@@ -42,7 +48,10 @@ fn shot(side: Side, turn: &Rotation3<f64>, upside_down: bool) -> Shot {
     let eye = eye.unwrap();
     let truly = Pose {
         rotation: turn * eye.pose.rotation,
-        position_m: turn * eye.pose.position_m,
+        position_m: match about {
+            TurnAbout::Body => turn * eye.pose.position_m,
+            TurnAbout::Eyes => eye.pose.position_m,
+        },
     };
     let BoardSize { columns, rows } = placement.board();
     let mut corners = Vec::new();
@@ -111,7 +120,7 @@ fn a_turned_head_is_found_and_put_right() {
     let off_rad = vector_of_rotation(&(turn.inverse() * found.turn)).norm();
     assert!(off_rad < 1e-4, "{off_rad}");
     assert!(found.turned_rms_rad < 2e-4, "{}", found.turned_rms_rad);
-    let put_right = corrected(&rig(), &found.turn, &Correction::Turn, [256, 128]).unwrap();
+    let put_right = corrected(&rig(), &found, &Correction::Turn, [256, 128]).unwrap();
     for (eye, was) in [
         (&put_right.rig.left, &rig().left),
         (&put_right.rig.right, &rig().right),
@@ -120,6 +129,44 @@ fn a_turned_head_is_found_and_put_right() {
         assert!(vector_of_rotation(&((turn * was).inverse() * now)).norm() < 1e-8);
     }
     assert!(put_right.seam_png.is_none() && put_right.warp.is_none());
+}
+
+/// 2.0, 1.5 and 1.66 degrees, in place and with the body: to within 0.02 degrees, told apart.
+#[test]
+fn eyes_turned_in_their_places_are_told_from_a_turned_body() {
+    for turn_deg in [
+        [0.0, 0.0, 2.0],
+        [1.5, 0.0, 0.0],
+        [0.0, 1.66, 0.0],
+        [1.0, -1.5, 2.0],
+    ] {
+        let turn = rotation_vector(&(Vector3::from(turn_deg) * std::f64::consts::PI / 180.0));
+        for about in [TurnAbout::Body, TurnAbout::Eyes] {
+            let shots = [Side::Left, Side::Right].map(|side| shot_of(side, &turn, about, false));
+            let found = aligned(&shots).unwrap();
+            let off_deg = turn_between(&turn, &found.turn).to_degrees();
+            println!(
+                "{turn_deg:?} {about:?}: {:?}, {off_deg:.5} degrees off",
+                found.about
+            );
+            assert!(off_deg < 0.02, "{turn_deg:?} {about:?}: {off_deg}");
+            assert!(!found.is_undecided());
+            let eye_m = rig().left.unwrap().pose.position_m;
+            if (turn * eye_m - eye_m).norm() < 1e-9 {
+                // Eyes on the axis of the turn stay where they are: both kinds are the same.
+                assert!(turn_between(&found.turn, &found.other.turn) < 1e-9);
+                continue;
+            }
+            assert_eq!(found.about, about, "{turn_deg:?}");
+            // The turn of the other kind would have been wrong by more than its standard error.
+            let other_deg = turn_between(&turn, &found.other.turn).to_degrees();
+            assert!(other_deg > 0.05, "{other_deg}");
+            let put_right = corrected(&rig(), &found, &Correction::Turn, [64, 32]).unwrap();
+            let was = rig().left.unwrap().pose.position_m;
+            let now = put_right.rig.left.unwrap().pose.position_m;
+            assert_eq!((now - was).norm() < 1e-9, about == TurnAbout::Eyes);
+        }
+    }
 }
 
 #[test]
@@ -181,12 +228,7 @@ fn a_nominal_lens_gets_a_scale_of_its_own() {
     // Far from the boards, straight behind, only the turn is left.
     let far = Vector3::new(-1.0, 0.0, 0.0);
     assert!((scale.shown(&far) - found.turn.inverse() * far).norm() < 1e-12);
-    let put_right = corrected(
-        &rig(),
-        &found.turn,
-        &Correction::Scale(scale.clone()),
-        [64, 32],
-    );
+    let put_right = corrected(&rig(), &found, &Correction::Scale(scale.clone()), [64, 32]);
     let warp = put_right.unwrap().warp.unwrap().map().unwrap();
     for corner in &found.corners {
         let eye = usize::from(corner.side == Side::Right);

@@ -46,6 +46,7 @@ pub fn register_pose(
         turn_standard_error_deg: found.worst_rotation_error_rad.to_degrees(),
         lens_scales: [1.0; 2],
         baseline_m,
+        moved: None,
         rig: corrected.clone(),
     };
     registration.measure(&mount, &ties, &look);

@@ -6,9 +6,9 @@
 //! method as there; last, boards' poses are refined with them. What that paper leaves open is fixed so:
 //!
 //! - the residual is an angle, so that no shorter focal length makes it small;
-//! - the eyes' positions are the rig's, and **parallax is part of the model**: a board's range is
-//!   known from its pose, a natural feature may be anywhere along its ray, so near points do not
-//!   bias the rotation;
+//! - the eyes' positions are the rig's until boards contradict them (`position.rs`), and **parallax is
+//!   part of the model**: a board's range is known from its pose, a natural feature may be anywhere
+//!   along its ray, so near points do not bias the rotation;
 //! - both eyes turning alike would turn the body against its own frame: only what the baseline's
 //!   direction demands is allowed of it, held by a prior, and the body frame stays put;
 //! - scales stay within 5 %, and near 1 as far as the lenses' calibration is sure.
@@ -27,6 +27,7 @@ mod from_pose;
 mod measure;
 mod parallax;
 pub mod planar;
+mod position;
 mod refine;
 pub(crate) mod rotations;
 #[cfg(test)]
@@ -38,12 +39,14 @@ use tectum_optics::convention::angle_between;
 use tectum_optics::{Pose, Rig, RigEye};
 
 use crate::Eyes;
+use crate::matching::Slack;
 use consensus::{Consensus, Sample};
 pub use error::RegistrationError;
 pub use from_pose::register_pose;
 pub use measure::ShotFit;
 use measure::{angle_rad, px_per_rad};
 pub use parallax::{Parallax, parallax_at};
+pub use position::relative_of_boards;
 use refine::Problem;
 use tie::{Mount, Rays};
 pub use tie::{Range, Tie};
@@ -74,7 +77,7 @@ impl Default for Options {
         Self {
             seed: 1,
             threshold_rad: 0.3f64.to_radians(),
-            most_turn_rad: 15f64.to_radians(),
+            most_turn_rad: Slack::TURN_RAD,
             nearest_m: 0.15,
             smooth_px: 0.5,
             common_sigma_rad: 0.5f64.to_radians(),
@@ -86,9 +89,12 @@ impl Default for Options {
 }
 
 /// Fewest pairs of a registration.
-const LEAST_TIES: usize = 6;
+const MIN_TIES: usize = 6;
+/// Standard deviation of a lens's scale up to which boards tell the eyes' positions: a range to a
+/// millimetre in a metre.
+const SURE_SCALE: f64 = 1e-3;
 /// Least share of the pairs that must agree: of random ones less than a tenth do.
-const LEAST_SHARE: f64 = 0.15;
+const MIN_SHARE: f64 = 0.15;
 
 /// Two eyes registered.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -117,6 +123,17 @@ pub struct Registration {
     pub lens_scales: Eyes<f64>,
     /// Distance between the eyes, m.
     pub baseline_m: f64,
+    /// How boards moved the eyes; `None` where the rig's positions hold.
+    pub moved: Option<EyesMoved>,
+}
+
+/// Eyes that boards put elsewhere than the rig had them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct EyesMoved {
+    /// Shift of the eyes against each other, mm; half of it in each.
+    pub shift_mm: f64,
+    /// Standard error of their position along its least sure axis, mm.
+    pub standard_error_mm: f64,
 }
 
 /// Registers the eyes of a rig. A rig whose poses come from a calibration is refined; one with rough
@@ -129,19 +146,26 @@ pub fn register(
     ties: &[Tie],
     options: &Options,
 ) -> Result<Registration, RegistrationError> {
+    let given_eyes = tie::both(rig)?;
+    check_overlap(&given_eyes, options)?;
+    // A lens's scale and the ranges of boards pass for each other.
+    let is_scale_sure = options.scale_sigma.is_none_or(|sigma| sigma <= SURE_SCALE);
+    let moved = is_scale_sure.then(|| position::by_boards(rig, &given_eyes, ties, options));
+    let moved = moved.flatten();
+    let from = given_eyes.map(|eye| eye.pose.rotation);
+    let rig = moved.as_ref().map_or(rig, |moved| &moved.rig);
     let eyes = tie::both(rig)?;
-    check_overlap(&eyes, options)?;
     let mount = Mount::new(eyes, options.nearest_m);
     let usable: Vec<(usize, Rays)> = ties
         .iter()
         .enumerate()
         .filter_map(|(k, tie)| usable(&mount, tie).map(|rays| (k, rays)))
         .collect();
-    if usable.len() < LEAST_TIES {
+    if usable.len() < MIN_TIES {
         return Err(RegistrationError::TooFew {
             given: ties.len(),
             usable: usable.len(),
-            needed: LEAST_TIES,
+            needed: MIN_TIES,
         });
     }
     let (places, rays): (Vec<usize>, Vec<Rays>) = usable.into_iter().unzip();
@@ -182,7 +206,10 @@ pub fn register(
             .collect();
     }
     let sigma_rad = problem.turn_sigma_rad(&x);
-    let sigma_rad = sigma_rad.filter(|sigma| *sigma < 10.0 * options.threshold_rad);
+    let own = moved.as_ref().map_or(0.0, |moved| moved.turn_sigma_rad);
+    let sigma_rad = sigma_rad
+        .map(|sigma| sigma.max(own))
+        .filter(|sigma| *sigma < 10.0 * options.threshold_rad);
     let look = refine::look(&eyes, &x);
     let rotations = look.rotations;
     let scales = look.log_scales.map(libm::exp);
@@ -211,10 +238,14 @@ pub fn register(
         shots: Vec::new(),
         rms_px: 0.0,
         rms_deg: 0.0,
-        turn_deg: turn.turn_rad(&sample.rotations).to_degrees(),
+        turn_deg: turn.turn_rad(&from).to_degrees(),
         turn_standard_error_deg: sigma_rad.ok_or(RegistrationError::Degenerate)?.to_degrees(),
         lens_scales: scales,
         baseline_m: mount.baseline().norm(),
+        moved: moved.as_ref().map(|moved| EyesMoved {
+            shift_mm: moved.shift_mm,
+            standard_error_mm: moved.shift_standard_error_mm,
+        }),
     };
     registration.measure(&mount, &ranged, &look);
     Ok(registration)
@@ -257,7 +288,7 @@ fn agreed(
     let consensus = sample.consensus(options)?;
     let (inliers, pairs) = (consensus.count(), sample.ties.len());
     let turn = consensus.turn_rad(&sample.rotations);
-    let enough = inliers >= LEAST_TIES && inliers as f64 >= LEAST_SHARE * pairs as f64;
+    let enough = inliers >= MIN_TIES && inliers as f64 >= MIN_SHARE * pairs as f64;
     if enough && turn <= options.most_turn_rad {
         return Ok(consensus);
     }

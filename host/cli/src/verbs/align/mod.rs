@@ -14,7 +14,7 @@ use tectum_calibrate::BoardSize;
 use tectum_optics::design::{OrientationBoard, PitchConvention};
 use tectum_optics::{OutputMap, Rig, Side};
 use tectum_stitch::orientation::{
-    Alignment, Correction, OwnScale, Placement, Shot, align, corrected,
+    Alignment, Correction, OwnScale, Placement, Shot, TurnAbout, align, corrected,
 };
 use tectum_tables::RunKind;
 
@@ -39,8 +39,9 @@ const SEAM_PX: [u16; 2] = [2048, 1024];
     each. From the origin, corner (i, j) is i squares up and j squares towards the nose, which is a\n\
     yaw and a pitch (Eq. 7, with the sign of Table 2); parallax from the eye's place to the body's\n\
     origin is accounted for.\n\n\
-    With -o the rig is written with both eyes turned together as the boards say, which calibration\n\
-    of the eyes cannot know. `--correct scale` also bends the picture by the boards' own scale, for\n\
+    With -o the rig is written with both eyes turned as the boards say, which calibration of the eyes\n\
+    cannot know: as one piece with the body, or each in its place, whichever fits better (--turn\n\
+    says). `--correct scale` also bends the picture by the boards' own scale, for\n\
     lenses that are known by their data sheet only. Bake it, and the core pays nothing.")]
 pub struct Args {
     /// Table that the pictures were stitched with
@@ -72,6 +73,10 @@ pub struct Args {
     /// Rig file to write, put right
     #[arg(short, long, value_name = "OUT.toml")]
     output: Option<PathBuf>,
+    /// What turned: the body with both eyes, or each eye in its place (default: what fits the boards
+    /// better)
+    #[arg(long, value_enum, value_name = "WHAT")]
+    turn: Option<TurnName>,
     /// What is put right
     #[arg(long, value_enum, default_value_t = CorrectName::Turn, requires = "output")]
     correct: CorrectName,
@@ -86,6 +91,23 @@ enum ConventionName {
     Elevation,
     /// The angle in the transverse plane, the same along a row of the board (Table 1)
     Paper,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum TurnName {
+    /// Both eyes as one piece, their places too
+    Body,
+    /// Each eye about its own centre
+    Eyes,
+}
+
+impl From<TurnName> for TurnAbout {
+    fn from(name: TurnName) -> Self {
+        match name {
+            TurnName::Body => Self::Body,
+            TurnName::Eyes => Self::Eyes,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -175,7 +197,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         RunKind::Right => Some(1),
         RunKind::Blend(_) | RunKind::Void => None,
     };
-    let found = align(&rig, &map, shown_by, &placement, &shots)?;
+    let mut found = align(&rig, &map, shown_by, &placement, &shots)?;
+    if let Some(about) = args.turn {
+        found = found.with_turn(about.into());
+    }
     let scale = found.own_scale();
     let done = Done {
         args,
@@ -193,7 +218,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             (CorrectName::Scale, Some(scale)) => Correction::Scale(scale.clone()),
             (CorrectName::Scale, None) => bail!("the boards' corners give no scale"),
         };
-        let right = corrected(&rig, &found.turn, &correction, SEAM_PX)?;
+        let right = corrected(&rig, &found, &correction, SEAM_PX)?;
         let parts = Parts {
             seam_png: right.seam_png,
             curves: right.tone.as_ref(),

@@ -3,10 +3,11 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use nalgebra::Rotation3;
 use serde_json::{Value, json};
 use tectum_optics::convention::yaw_pitch;
 use tectum_optics::{Side, vector_of_rotation};
-use tectum_stitch::orientation::{BoardSeen, CornerSeen};
+use tectum_stitch::orientation::{BoardSeen, CornerSeen, TurnAbout};
 
 use super::Done;
 use crate::report::{Report, paths_json};
@@ -20,7 +21,7 @@ pub fn report(done: &Done, written: &[PathBuf]) -> Report {
         .map(|corner| corner.off_rad().to_degrees())
         .collect();
     let worst_deg = off_deg.iter().copied().fold(0.0, f64::max);
-    let [roll, pitch, yaw] = vector_of_rotation(&found.turn).map(f64::to_degrees).into();
+    let [roll, pitch, yaw] = degrees(&found.turn);
     let [roll_sigma, pitch_sigma, yaw_sigma] = found.turn_sigma_rad.map(f64::to_degrees).into();
     let [rms_deg, turned_deg] = [found.rms_rad, found.turned_rms_rad].map(f64::to_degrees);
     let left_out_deg = done.scale.map(|scale| scale.left_out_rms_rad.to_degrees());
@@ -35,6 +36,19 @@ pub fn report(done: &Done, written: &[PathBuf]) -> Report {
         done.shots.len(),
         seen(done),
     );
+    let [other_roll, other_pitch, other_yaw] = degrees(&found.other.turn);
+    let _ = writeln!(
+        text,
+        "turned     {}; {}: yaw {other_yaw:+.3}, pitch {other_pitch:+.3}, roll {other_roll:+.3} deg, \
+         leaves {:.3} deg RMS",
+        what(found.about),
+        what(found.other.about),
+        found.other.rms_rad.to_degrees()
+    );
+    if found.is_undecided() {
+        text += "warning    these boards cannot tell which of the two turned: choose with --turn body or \
+                 --turn eyes, or add boards\n";
+    }
     if let Some(left_out_deg) = left_out_deg {
         let _ = writeln!(
             text,
@@ -58,6 +72,13 @@ pub fn report(done: &Done, written: &[PathBuf]) -> Report {
         "rms_deg": rms_deg,
         "worst_deg": worst_deg,
         "turn_deg": { "yaw": yaw, "pitch": pitch, "roll": roll },
+        "turned": found.about,
+        "undecided": found.is_undecided(),
+        "other_turn": {
+            "turned": found.other.about,
+            "turn_deg": { "yaw": other_yaw, "pitch": other_pitch, "roll": other_roll },
+            "turned_rms_deg": found.other.rms_rad.to_degrees(),
+        },
         "turn_sigma_deg": { "yaw": yaw_sigma, "pitch": pitch_sigma, "roll": roll_sigma },
         "turned_rms_deg": turned_deg,
         "own_scale": { "left_out_rms_deg": left_out_deg },
@@ -66,6 +87,18 @@ pub fn report(done: &Done, written: &[PathBuf]) -> Report {
         "files": paths_json(written),
     });
     Report::new(text, json)
+}
+
+/// About x, y and z.
+fn degrees(turn: &Rotation3<f64>) -> [f64; 3] {
+    vector_of_rotation(turn).map(f64::to_degrees).into()
+}
+
+fn what(about: TurnAbout) -> &'static str {
+    match about {
+        TurnAbout::Body => "the body with both eyes",
+        TurnAbout::Eyes => "each eye in its place",
+    }
 }
 
 /// Corners in all pictures.

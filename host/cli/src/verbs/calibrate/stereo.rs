@@ -95,6 +95,11 @@ fn eye_toml(
 /// The rig: body frame by the symmetric mount nearest to the eyes, origin midway between them.
 fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> anyhow::Result<String> {
     let mount = both.mount();
+    let remarks: String = mount
+        .remarks()
+        .iter()
+        .map(|remark| format!("# Note: {remark}.\n"))
+        .collect();
     let [about_x, about_y, about_z] = degrees(&both.rotation_standard_error_rad);
     let [left, right] = eyes
         .each_ref()
@@ -114,13 +119,14 @@ fn rig(args: &Args, both: &StereoCalibration, eyes: &[PathBuf; 2]) -> anyhow::Re
         "# Made by tectum {} from pictures that both eyes took at once.\n\
          # Mount: psi {:.3}, tau {:.3} degrees, {:.3} degrees off a symmetric mount.\n\
          # Baseline {:.2} mm. Standard errors: rotation about the left camera's x, y, z \
-         {about_x:.4}, {about_y:.4}, {about_z:.4} degrees;\n# the right eye's position {:.3?} mm.\n{}",
+         {about_x:.4}, {about_y:.4}, {about_z:.4} degrees;\n# the right eye's position {:.3?} mm.\n{}{}",
         env!("CARGO_PKG_VERSION"),
         mount.psi_rad.to_degrees(),
         mount.tau_rad.to_degrees(),
         mount.rest_rad.to_degrees(),
         both.baseline_mm(),
         <[f64; 3]>::from(both.position_standard_error_mm),
+        remarks,
         rig.to_toml()?
     ))
 }
@@ -182,6 +188,10 @@ fn report(
             pictures[pair.pair], pair.alone_rms_px
         );
     }
+    let remarks = mount.remarks();
+    for remark in &remarks {
+        let _ = writeln!(text, "note: {remark}");
+    }
     for (name, eye) in names.iter().zip(eyes) {
         let _ = writeln!(
             text,
@@ -233,6 +243,9 @@ fn report(
         "psi_deg": mount.psi_rad.to_degrees(),
         "tau_deg": mount.tau_rad.to_degrees(),
         "rest_deg": mount.rest_rad.to_degrees(),
+        "quarter_turns": mount.quarter_turns,
+        "swapped": mount.is_swapped,
+        "warnings": remarks,
         "baseline_mm": both.baseline_mm(),
         "rotation_vector_rad": <[f64; 3]>::from(vector_of_rotation(&both.rotation)),
         "rotation_standard_error_deg": error_deg,

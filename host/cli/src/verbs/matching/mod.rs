@@ -33,7 +33,8 @@ use row::Row;
     right are paired at random. Then the share that RANSAC keeps, without knowing the geometry: by a\n\
     homography (3 px), as stitchers of flat pictures do, and by a relative pose on rays (0.4 degrees),\n\
     with how far the rotation found is from the rig's.\n\
-    With --target or --board, a last row has the corners of boards, paired by their markers.\n\
+    With --target or --board, a last row has the corners of boards, paired by their markers and by\n\
+    what the pairs agree on; its rotation is fitted to all boards at once, with its standard error.\n\
     Raw pictures are matched as they are; calibrated ones as a tile of the overlap, upright for both\n\
     eyes. The picture shows the first pair: right matches green, wrong ones red.")]
 pub struct Args {
@@ -122,17 +123,12 @@ fn boards_row(
     let pairs = args.left.iter().zip(&args.right);
     let files: Vec<Eyes<PathBuf>> = pairs.map(|(l, r)| [l.clone(), r.clone()]).collect();
     let found = boards::paired(rig, &args.rig, &args.targets.targets()?, &files)?;
-    let corners = Tie::of_boards(&found.outcomes).into_iter();
-    let matches = corners.map(|tie| tie.pair).collect();
+    let ties = Tie::of_boards(&found.outcomes);
+    let matches = ties.iter().map(|tie| tie.pair).collect();
     let name = "boards".to_owned();
-    rows.push(Row::measure(
-        name,
-        View::Raw,
-        found.corners,
-        matches,
-        overlap,
-    ));
-    Ok(boards::refused(&found.outcomes).collect())
+    let row = Row::measure(name, View::Raw, found.corners, matches, overlap);
+    rows.push(row.with_boards(rig, &ties, overlap));
+    Ok(boards::refused(&found.outcomes))
 }
 
 fn detectors(args: &Args) -> anyhow::Result<Vec<(Matcher, Detector)>> {

@@ -1,10 +1,12 @@
 //! What one way of matching is worth.
 
+use tectum_optics::Rig;
 use tectum_stitch::Correspondence;
 use tectum_stitch::epipolar::{
     Consistency, RansacOptions, RayCheck, RayPair, RelativePose, ransac,
 };
 use tectum_stitch::features::{Overlap, PositionPair, Tile, View, homography_inliers};
+use tectum_stitch::registration::{Tie, relative_of_boards};
 
 /// Residual up to which a homography keeps a match, px.
 const HOMOGRAPHY_PX: f64 = 3.0;
@@ -27,6 +29,8 @@ pub struct Row {
     pub ray_share: f64,
     /// How far that pose's rotation is from the rig's, rad.
     pub rotation_off_rad: Option<f64>,
+    /// Standard error of the rotation about its least sure axis, where it is known, rad.
+    pub rotation_sigma_rad: Option<f64>,
 }
 
 impl Row {
@@ -54,11 +58,25 @@ impl Row {
                 let turn = found.pose.rotation * RelativePose::of(eyes).rotation.inverse();
                 tectum_optics::vector_of_rotation(&turn).norm()
             }),
+            rotation_sigma_rad: None,
             name,
             view,
             features,
             matches,
         }
+    }
+
+    /// Takes the rotation from what boards say of the eyes: their corners lie in planes, which leave a
+    /// pose on rays alone open.
+    pub fn with_boards(mut self, rig: &Rig, ties: &[Tie], overlap: &Overlap) -> Self {
+        let found = relative_of_boards(rig, ties);
+        let truth = RelativePose::of(&overlap.eyes).rotation;
+        self.rotation_off_rad = found.as_ref().map(|found| {
+            let turn = found.pose.rotation * truth.inverse();
+            tectum_optics::vector_of_rotation(&turn).norm()
+        });
+        self.rotation_sigma_rad = found.map(|found| found.turn_sigma_rad());
+        self
     }
 
     /// "raw" or "calibrated".

@@ -41,7 +41,33 @@ pub fn text(rows: &[Row]) -> String {
             row.ray_share,
         );
     }
+    for row in rows {
+        if let Some(sigma_rad) = row.rotation_sigma_rad {
+            text += &sureness(row, sigma_rad.to_degrees());
+        }
+    }
     text
+}
+
+/// Standard error of a rotation that is good enough for a picture, degrees.
+const SURE_DEG: f64 = 0.1;
+
+/// What boards leave open.
+fn sureness(row: &Row, sigma_deg: f64) -> String {
+    let open = match sigma_deg <= SURE_DEG {
+        true => "",
+        false => {
+            ": too few boards to tell a turn of the eyes from a shift; take more pairs, with the board \
+             at other places, distances and tilts"
+        }
+    };
+    match sigma_deg.is_finite() {
+        true => format!(
+            "{}: the rotation's standard error is {sigma_deg:.3} degrees{open}\n",
+            row.name
+        ),
+        false => format!("{}: these boards fix no rotation{open}\n", row.name),
+    }
 }
 
 /// A row for a script.
@@ -57,5 +83,8 @@ pub fn json(row: &Row) -> Value {
         "homography_share": row.homography_share,
         "ray_share": row.ray_share,
         "rotation_off_deg": row.rotation_off_rad.map(f64::to_degrees),
+        "rotation_standard_error_deg": row.rotation_sigma_rad
+            .filter(|sigma| sigma.is_finite())
+            .map(f64::to_degrees),
     })
 }

@@ -52,7 +52,7 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[PathBuf]) -> Report {
         "unpaired": paths_json(alone),
         "matcher": done.ties.map(|ties| ties.matcher),
         "matches": done.ties.map(Ties::matches),
-        "refused": done.ties.map(|ties| ties.refused().collect::<Vec<_>>()),
+        "refused": done.ties.map(|ties| ties.refused()),
         "inliers": done.registration.map(agreeing),
         "rms_px": done.registration.map(|found| found.rms_px),
         "rms_deg": done.registration.map(|found| found.rms_deg),
@@ -100,7 +100,7 @@ fn poses(done: &Done, text: &mut String) {
          residual   {:.3} px, {:.4} degrees RMS\n\
          turned     {:.3} degrees against each other, standard error {:.4}\n\
          scales     {:.5} left, {:.5} right\n\
-         baseline   {:.1} mm",
+         baseline   {:.1} mm{}",
         agreeing(found),
         ties.matches(),
         ties.matcher,
@@ -111,6 +111,10 @@ fn poses(done: &Done, text: &mut String) {
         found.lens_scales[0],
         found.lens_scales[1],
         found.baseline_m * 1e3,
+        found.moved.map_or(String::new(), |moved| format!(
+            ": the boards put the eyes {:.1} mm from where the rig had them, standard error {:.2}",
+            moved.shift_mm, moved.standard_error_mm
+        )),
     );
 }
 

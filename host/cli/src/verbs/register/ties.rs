@@ -99,17 +99,20 @@ impl Ties {
         registration.map_err(|error| self.explain(error))
     }
 
-    /// An error, with what became of the boards.
+    /// An error, with what became of the boards; where no board gave any pair, that is the error.
     fn explain(&self, error: RegistrationError) -> anyhow::Error {
-        let refused: Vec<String> = self.refused().collect();
-        match refused.is_empty() {
-            true => error.into(),
-            false => anyhow::anyhow!("{error}\n{}", refused.join("\n")),
+        let refused = self.refused();
+        match (refused.is_empty(), self.ties.is_empty()) {
+            (true, _) => error.into(),
+            (false, true) => {
+                anyhow::anyhow!("the boards give no pairs of points: {}", refused.join("; "))
+            }
+            (false, false) => anyhow::anyhow!("{error}\n{}", refused.join("\n")),
         }
     }
 
-    /// Why boards gave no pairs, a line each.
-    pub fn refused(&self) -> impl Iterator<Item = String> {
+    /// Why boards gave no pairs.
+    pub fn refused(&self) -> Vec<String> {
         boards::refused(&self.outcomes)
     }
 }

@@ -9,7 +9,7 @@ const BINS: usize = 36;
 /// The window's standard deviation, scales of the point.
 const WINDOW_SIGMAS: f32 = 1.5;
 /// A direction counts if its bin reaches this share of the highest.
-const LEAST_SHARE: f32 = 0.8;
+const MIN_SHARE: f32 = 0.8;
 /// The histogram is smoothed by this binomial: bins of 10 degrees are finer than the data.
 const SMOOTH: [f32; 5] = [1.0 / 16.0, 4.0 / 16.0, 6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0];
 
@@ -20,7 +20,7 @@ pub fn directions(octave: &Octave, extremum: &Extremum) -> Vec<f32> {
     (0..BINS)
         .filter_map(|i| {
             let [before, here, after] = [i + BINS - 1, i, i + 1].map(|k| bins[k % BINS]);
-            let peak = here > before && here > after && here >= LEAST_SHARE * highest;
+            let peak = here > before && here > after && here >= MIN_SHARE * highest;
             // Vertex of the parabola through three bins.
             let offset = || 0.5 * (before - after) / (before - 2.0 * here + after);
             peak.then(|| {
