@@ -121,8 +121,8 @@ impl Spot<'_> {
     pub(crate) fn below_or_here(self) -> Self {
         // Not by comparing where a stride leads with the end: that place may lie behind the end of
         // all memory.
-        let end = self.source.data.as_ptr_range().end as usize;
-        let left = end.wrapping_sub(self.pointer as usize);
+        let end = self.source.data.as_ptr_range().end;
+        let left = end.addr().wrapping_sub(self.pointer.addr());
         if self.source.stride < left {
             self.below()
         } else {
