@@ -107,8 +107,16 @@ fn sample(planes: &Planes, channel: usize, at_q8: [i32; 2], sampler: Sampler) ->
     let plane = &planes.planes[channel];
     let [step_x, step_y] = plane.cell_px.map(|px| px as i32);
     let (width, height) = (plane.width, plane.values.len() / plane.width);
+    // What is larger than a pixel stands for its missing neighbour; a position outside of the frame
+    // is no position.
+    let place = |at: i32, size: usize, step: i32| {
+        let greatest = if step > 1 { size - 1 } else { usize::MAX };
+        (at as usize).min(greatest)
+    };
     let get = |x: i32, y: i32| {
-        plane.values[(y as usize).min(height - 1) * width + (x as usize).min(width - 1)]
+        let (x, y) = (place(x, width, step_x), place(y, height, step_y));
+        assert!(x < width && y < height, "a position outside of the frame");
+        plane.values[y * width + x]
     };
     let [x, y] = at_q8;
     match sampler {
