@@ -392,7 +392,7 @@ fn exposure(bench: &Bench<'_>) -> anyhow::Result<()> {
         (
             "--exposure 50 --lock",
             48,
-            "locked: exposure 4.8 ms (asked for was exposure 5 ms)",
+            "locked: exposure 4.8 ms (set was exposure 5 ms)",
         ),
         ("--lock", 160, "locked: exposure 16 ms"),
     ] {
