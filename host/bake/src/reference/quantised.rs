@@ -131,3 +131,32 @@ fn sample(planes: &Planes, channel: usize, at_q8: [i32; 2], sampler: Sampler) ->
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::panic::catch_unwind;
+
+    use super::*;
+
+    #[test]
+    fn only_cells_larger_than_a_pixel_stand_for_a_neighbour_that_is_missing() {
+        let size_px = [4, 4];
+        for format in [Format::Gray8, Format::Rgb8, Format::Yuyv, Format::Nv12] {
+            let bytes = vec![9; format.picture_bytes(size_px)];
+            let planes = Planes::decode(format, size_px, &bytes);
+            for (channel, plane) in planes.planes.iter().enumerate() {
+                for axis in [0, 1] {
+                    // In the middle of the last pixel but one, and of the last one.
+                    for (last, is_inside) in [(2, true), (3, plane.cell_px[axis] > 1)] {
+                        let mut at_q8 = [256; 2];
+                        at_q8[axis] = last << 8 | 128;
+                        let sampled =
+                            catch_unwind(|| sample(&planes, channel, at_q8, Sampler::Bilinear));
+                        let due = is_inside.then_some(9.0);
+                        assert_eq!(sampled.ok(), due, "{format:?} {channel} {at_q8:?}");
+                    }
+                }
+            }
+        }
+    }
+}
