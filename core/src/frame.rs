@@ -88,9 +88,10 @@ impl<'a, F: PixelFormat> Frame<'a, F> {
         [self.width_px, self.height_px]
     }
 
-    /// The bytes of the pixel at `[x, y]`, and what follows them.
+    /// The bytes of the pixel at `[x, y]`, and what follows them. Of those that share bytes in a row
+    /// each has its part of them.
     pub(crate) fn pixel(&self, [x, y]: [u16; 2]) -> Option<&'a [u8]> {
-        let at = usize::from(y) * self.stride_bytes + usize::from(x) * F::BYTES_PER_PIXEL;
+        let at = usize::from(y) / F::ROWS * self.stride_bytes + usize::from(x) * F::BYTES_PER_PIXEL;
         self.data.get(at..)
     }
 
@@ -123,6 +124,17 @@ mod tests {
             let frame = Frame::<Chroma420>::new(&[0; 4], 4, rows, usize::MAX).unwrap();
             assert_eq!((frame.stride_bytes(), frame.data().len()), (4, 4));
         }
+    }
+
+    #[test]
+    fn pixels_of_a_cell_are_in_the_row_that_they_share() {
+        let bytes: [u8; 4 * 6] = core::array::from_fn(|i| i as u8);
+        let frame = Frame::<Chroma420>::new(&bytes, 4, 8, 6).unwrap();
+        for (at, first) in [([0, 0], 0), ([2, 1], 2), ([0, 2], 6), ([2, 7], 20)] {
+            assert_eq!(frame.pixel(at).unwrap()[0], first);
+        }
+        let frame = Frame::<Gray8>::new(&bytes, 4, 4, 6).unwrap();
+        assert_eq!(frame.pixel([2, 3]).unwrap()[0], 20);
     }
 
     #[test]

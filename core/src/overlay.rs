@@ -59,7 +59,8 @@ impl<'t, F: PixelFormat> Painter<'t, F> {
         }
     }
 
-    /// Draws over output row `y`.
+    /// Draws over output row `y`. Where rows share bytes ([`PixelFormat::ROWS`]), rows of bytes are
+    /// counted.
     ///
     /// # Errors
     /// [`StitchError`] if there is no such row or `out` is not as long as one; `out` is untouched

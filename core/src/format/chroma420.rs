@@ -12,8 +12,8 @@ use crate::{Frame, FrameError};
 ///
 /// A picture in NV12 is stitched as its two planes, each with a [`Stitcher`](crate::Stitcher) of its
 /// own: all output rows of luma as Gray8, and one row of this plane for each two of them. Frames have
-/// the picture's size in pixels, as those of luma have; rows of this plane are counted from 0 to half
-/// the picture's height, rounded up.
+/// the picture's size in pixels, as those of luma have; of this plane there are height / 2 rows, rounded
+/// up, counted from 0.
 ///
 /// Chroma of an output cell is sampled where its upper left pixel looks, and comes from the run that
 /// owns that pixel: `FORMAT.md`, "Pixels". Tone curves of U and V apply, with a
@@ -73,22 +73,22 @@ impl<'a> Nv12<'a> {
         height_px: u16,
         stride_bytes: usize,
     ) -> Result<Self, FrameError> {
-        let luma = Frame::new(data, width_px, height_px, stride_bytes)?;
-        // Luma is there, so that this is at most a row more than a slice can hold.
         let start = usize::from(height_px).saturating_mul(stride_bytes);
+        // First, as it says what both planes need, and which widths there are.
         let chroma = Frame::new(
             data.get(start..).unwrap_or_default(),
             width_px,
             height_px,
             stride_bytes,
-        );
-        match chroma {
-            Ok(chroma) => Ok(Self { luma, chroma }),
-            Err(FrameError::TooShort { needed }) => Err(FrameError::TooShort {
+        )
+        .map_err(|error| match error {
+            FrameError::TooShort { needed } => FrameError::TooShort {
                 needed: needed.saturating_add(start),
-            }),
-            Err(error) => Err(error),
-        }
+            },
+            error => error,
+        })?;
+        let luma = Frame::new(data, width_px, height_px, stride_bytes)?;
+        Ok(Self { luma, chroma })
     }
 }
 
@@ -224,7 +224,9 @@ mod tests {
         let needed = |needed| Some(FrameError::TooShort { needed });
         assert_eq!(error(&bytes[..27], 4, 3, 6), needed(28));
         assert_eq!(error(&bytes[..17], 4, 3, 6), needed(28));
-        assert_eq!(error(&bytes[..15], 4, 3, 6), needed(16));
+        // Both planes, also where not even luma is there.
+        assert_eq!(error(&bytes[..15], 4, 3, 6), needed(28));
+        assert_eq!(error(&[], 4, 3, 6), needed(28));
         assert_eq!(error(&bytes, 3, 3, 6), Some(FrameError::Size));
         assert_eq!(error(&bytes, 4, 1, usize::MAX), needed(usize::MAX));
     }

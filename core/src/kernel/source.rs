@@ -10,10 +10,11 @@ use crate::{Frame, StitchError, Tables};
 /// A source frame that has the size its table was made for.
 ///
 /// # Invariant
-/// `data` holds a frame of the width and height that the table states for this eye, so every
-/// 2x2 box of pixels that [`Tables::parse`] let through lies inside `data`, which ends with the last
-/// pixel. Where pixels share bytes, those of the upper left one do, and what a kernel finds beside them
-/// by [`Source::width`] and [`Spot::below_or_here`].
+/// `data` holds a frame of the width and height that the table states for this eye and ends with its
+/// last pixel. [`Tables::parse`] let only 2x2 boxes of pixels through that lie inside such a frame, so
+/// the bytes of all four pixels of a box lie inside `data`. Pixels that share bytes have a cell: that of
+/// the upper left pixel of a box lies inside, and so does its right neighbour if [`Source::width`] says
+/// that the row has one, and the lower one that [`Spot::below_or_here`] finds.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
     data: &'a [u8],
@@ -91,8 +92,13 @@ impl Spot<'_> {
         );
         // SAFETY: `pointer` comes from `data`, moved to a byte of a pixel (or of its right or lower
         // neighbour) that a run of a parsed table shows: `Tables::parse` proved it inside a frame
-        // of the size that `Source::new` checked, and `Frame::new` that `data` holds one. Pushed
-        // over each edge by `tests/exact/tests/hostile.rs`, which has the assertion above on.
+        // of the size that `Source::new` checked, and `Frame::new` that `data` holds one. For
+        // Chroma420, cell `(x >> 1, y >> 1)` of a proven pixel `(x, y)` lies inside its plane of
+        // `width / 2` by `height / 2` cells (rounded up; widths are even); its right neighbour is read
+        // only if `(x >> 1) + 1 < width / 2`, and as lower one only what `below_or_here` gives: `data`
+        // ends with the last cell of the last row, so a cell in that row has no byte of `data` a stride
+        // on, and one in any other row has its lower neighbour there. Pushed over each edge by
+        // `tests/exact/tests/hostile.rs`, which has the assertion above on.
         u32::from(unsafe { *pointer })
     }
 
@@ -113,9 +119,12 @@ impl Spot<'_> {
     /// the frame.
     #[inline(always)]
     pub(crate) fn below_or_here(self) -> Self {
-        let below = self.below();
-        if below.pointer < self.source.data.as_ptr_range().end {
-            below
+        // Not by comparing where a stride leads with the end: that place may lie behind the end of
+        // all memory.
+        let end = self.source.data.as_ptr_range().end;
+        let left = end.addr().wrapping_sub(self.pointer.addr());
+        if self.source.stride < left {
+            self.below()
         } else {
             self
         }

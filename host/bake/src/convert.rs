@@ -68,7 +68,7 @@ pub fn to_rgb8(format: Format, width_px: usize, bytes: &[u8]) -> Vec<u8> {
             .flat_map(|&[y0, u, y1, v]| [y0, y1].map(|y| colour(y, u, v)).concat())
             .collect(),
         Format::Nv12 => {
-            // Three bytes to two pixels; an odd last row has two of them.
+            // 1.5 bytes a pixel; of an odd height, the last row takes 2.
             let width = width_px.max(1);
             let (luma, chroma) = bytes.split_at(2 * bytes.len() / (3 * width) * width);
             let rows = luma.chunks_exact(width).enumerate();

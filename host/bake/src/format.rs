@@ -115,10 +115,14 @@ impl Format {
 
     /// Name as written on command lines.
     pub fn name(self) -> &'static str {
-        match (self, self.planes()) {
-            (Self::Nv12, _) => "nv12",
-            (_, [plane, ..]) => with_plane!(plane, F => F::NAME),
-            (_, []) => "",
+        match self {
+            Self::Nv12 => "nv12",
+            Self::Gray8 => tectum_core::Gray8::NAME,
+            Self::Rgb565 => tectum_core::Rgb565::NAME,
+            Self::Rgb565Be => tectum_core::Rgb565Be::NAME,
+            Self::Yuyv => tectum_core::Yuyv::NAME,
+            Self::Uyvy => tectum_core::Uyvy::NAME,
+            Self::Rgb8 => tectum_core::Rgb8::NAME,
         }
     }
 

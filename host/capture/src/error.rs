@@ -144,6 +144,9 @@ pub enum CaptureError {
     /// Both eyes were asked and nothing usable came.
     #[error("no frame came: {0}")]
     NoFrames(String),
+    /// Frames are stitched live in formats of one plane.
+    #[error("{0} has several planes: frames are stitched live in formats of one")]
+    Planes(&'static str),
     /// Frames do not fit the table.
     #[error("{0}")]
     Stitch(#[from] tectum_bake::StitchFailure),

@@ -89,7 +89,8 @@ impl<'t> LiveStitcher<'t> {
     /// frame cannot be decoded.
     ///
     /// # Errors
-    /// [`CaptureError::Stitch`] if the frames' size is not the table's.
+    /// [`CaptureError::Stitch`] if the frames' size is not the table's, [`CaptureError::Planes`] if they
+    /// would be stitched in several planes.
     pub fn stitch(&mut self, pair: &Pair<'_>) -> Result<Option<&mut [u8]>, CaptureError> {
         let is_done = self.stitch_pair(pair)?;
         Ok(is_done.then_some(&mut self.out))
@@ -99,7 +100,7 @@ impl<'t> LiveStitcher<'t> {
     /// Otherwise as [`LiveStitcher::stitch`]; `None` without any frame, too.
     ///
     /// # Errors
-    /// [`CaptureError::Stitch`] if the frames' size is not the table's.
+    /// As of [`LiveStitcher::stitch`].
     pub fn stitch_available(&mut self, eyes: Shot<'_>) -> Result<Option<&mut [u8]>, CaptureError> {
         let Some(there) = eyes[0].or(eyes[1]) else {
             return Ok(None);
@@ -140,10 +141,11 @@ impl<'t> LiveStitcher<'t> {
 
     fn stitch_pair(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {
         // NV12, of two planes, is unpacked: a panorama with chroma in every row.
-        let [plane, ..] = pair.left.format.core_format().planes() else {
-            return Ok(false);
-        };
-        with_plane!(plane, F => self.stitch_as::<F>(pair))
+        let format = pair.left.format.core_format();
+        match format.planes() {
+            [plane] => with_plane!(plane, F => self.stitch_as::<F>(pair)),
+            _ => Err(CaptureError::Planes(format.name())),
+        }
     }
 
     fn stitch_as<F: PixelFormat + Sync>(&mut self, pair: &Pair<'_>) -> Result<bool, CaptureError> {

@@ -29,6 +29,8 @@ pub struct Operator {
     records_itself: bool,
     /// Name of each eye's source, and what else is known of it.
     sources: [Option<(String, Value)>; 2],
+    /// Reads what else each eye's source is set to at this moment.
+    read_settings: Option<ReadSettings>,
     /// What the cameras' controls were last set to while they run.
     controls: Option<String>,
     recording: Option<Recording>,
@@ -37,6 +39,15 @@ pub struct Operator {
     saving: Option<JoinHandle<()>>,
     /// What went wrong last, until a recording begins again.
     failure: Option<String>,
+}
+
+/// As of [`Operator::with_settings`].
+struct ReadSettings(Box<dyn Fn() -> [Option<Value>; 2] + Send>);
+
+impl fmt::Debug for ReadSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ReadSettings").finish_non_exhaustive()
+    }
 }
 
 /// A video of each eye.
@@ -103,6 +114,7 @@ impl Operator {
             rate,
             records_itself,
             sources: [None, None],
+            read_settings: None,
             controls: None,
             recording: None,
             recorded: Vec::new(),
@@ -115,6 +127,14 @@ impl Operator {
     #[must_use]
     pub fn with_sources(mut self, sources: [Option<(String, Value)>; 2]) -> Self {
         self.sources = sources;
+        self
+    }
+
+    /// Describes recordings by what each eye's source is set to when they begin: objects whose members
+    /// replace those of the same names in what was known before.
+    #[must_use]
+    pub fn with_settings(mut self, read: impl Fn() -> [Option<Value>; 2] + Send + 'static) -> Self {
+        self.read_settings = Some(ReadSettings(Box::new(read)));
         self
     }
 
@@ -295,9 +315,15 @@ impl Operator {
 
     /// Writes what the recording `name` is made with beside it.
     fn describe(&self, name: &str, moment: &Moment<'_>) -> Result<(), CaptureError> {
+        let read = self.read_settings.as_ref();
+        let settings = read.map_or([None, None], |ReadSettings(read)| read());
         let of = |i: usize| {
             let ((source, facts), frame) = (self.sources[i].as_ref()?, moment.eyes[i]?);
-            Some((&**source, frame.format, facts.clone()))
+            let mut facts = facts.clone();
+            if let (Some(facts), Some(Value::Object(now))) = (facts.as_object_mut(), &settings[i]) {
+                facts.extend(now.clone());
+            }
+            Some((&**source, frame.format, facts))
         };
         let mut about = describe_recording(self.rate, [of(0), of(1)]);
         about["controls_set_while_running"] = json!(self.controls);

@@ -3,6 +3,8 @@
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use tectum_capture::preview::{Fixed, Preview};
 use tectum_capture::{Frame, FrameFormat, FrameSource, Layout, Moment, Next, Operator, Y4m};
@@ -152,6 +154,53 @@ fn pictures_videos_and_marks_are_saved_with_their_time() {
     );
     assert!(lines[3].ends_with(",mark,\"a \"\"big\"\" one\""), "{marks}");
     assert!(lines[4].contains(",record ends,"), "{marks}");
+}
+
+#[test]
+fn a_recording_states_what_cameras_are_set_to_when_it_begins() {
+    let bench = tempfile::tempdir().unwrap();
+    let fixed = Fixed {
+        takes_requests: true,
+        ..Fixed::default()
+    };
+    let preview = Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap();
+    let source = |name: &str| {
+        let facts = serde_json::json!({ "product": "eye", "exposure_ms": null, "gain": 7 });
+        Some((name.to_owned(), facts))
+    };
+    let set = Arc::new(AtomicU32::new(5));
+    let has = set.clone();
+    let mut operator = Operator::new(bench.path(), [30, 1], false)
+        .with_sources([source("camera a"), source("camera b")])
+        .with_settings(move || {
+            let left = serde_json::json!({ "exposure_ms": has.load(Ordering::Relaxed) });
+            [Some(left), None]
+        });
+    let data = [9; 64 * 32];
+    let frame = Frame {
+        data: &data,
+        format: FORMAT,
+        time_ns: 0,
+        sequence: 0,
+        superseded: false,
+    };
+    let moment = Moment {
+        eyes: [Some(frame), Some(frame)],
+        stitched: None,
+    };
+    for exposure_ms in [5, 12] {
+        set.store(exposure_ms, Ordering::Relaxed);
+        assert!(asked(&preview, &mut operator, &moment, "/record?on=1").0);
+        set.store(99, Ordering::Relaxed);
+        operator.frames(&moment);
+        assert!(asked(&preview, &mut operator, &moment, "/record?on=0").0);
+        let name = &operator.recorded().last().unwrap().name;
+        let about = std::fs::read(bench.path().join(format!("{name}.json"))).unwrap();
+        let about: serde_json::Value = serde_json::from_slice(&about).unwrap();
+        let due = |exposure_ms: Option<u32>| serde_json::json!({ "product": "eye", "exposure_ms": exposure_ms, "gain": 7 });
+        assert_eq!(about["left"]["facts"], due(Some(exposure_ms)));
+        assert_eq!(about["right"]["facts"], due(None));
+    }
 }
 
 #[test]

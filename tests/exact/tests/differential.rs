@@ -2,7 +2,7 @@
 
 use tectum_bake::reference::{overlay, position_q8, quantised};
 use tectum_bake::{Format, Pair, Pass, draw_overlay, stitch};
-use tectum_core::{Eye, Sampler, Tables};
+use tectum_core::{Chroma420, Eye, Gray8, Nv12, Sampler, Stitcher, Tables};
 use tectum_exact::{cases, frame, rng, table};
 
 /// Stitches random frames with random table `seed` in every format given and compares bytes.
@@ -62,6 +62,57 @@ fn hundred_thousand_small_tables() {
 fn all_formats_over_odd_sizes() {
     for seed in 0..cases(2_000) {
         core_equals_reference(seed, [70, 9], &Format::ALL);
+    }
+}
+
+/// Both planes of NV12 out of one buffer whose rows are `padding` bytes longer than the pixels.
+fn nv12_with_padding(tables: &Tables<'_>, pair: Pair<'_>, padding: usize) -> Vec<u8> {
+    let [width, height] = tables.source_size_px(Eye::Left).expect("both eyes");
+    let stride = usize::from(width) + padding;
+    let padded = [pair.left, pair.right].map(|packed| {
+        let rows = packed.chunks_exact(width.into());
+        let mut bytes: Vec<u8> = rows
+            .flat_map(|row| row.iter().copied().chain(vec![0xA5; padding]))
+            .collect();
+        // Cameras may leave out what follows the last row.
+        bytes.truncate(bytes.len() - padding);
+        bytes
+    });
+    let [left, right] = padded
+        .each_ref()
+        .map(|bytes| Nv12::new(bytes, width, height, stride).expect("as long as it needs to be"));
+    let luma = Stitcher::<Gray8>::new(tables, Sampler::Bilinear).expect("even width");
+    let chroma = Stitcher::<Chroma420>::new(tables, Sampler::Bilinear).expect("even width");
+    let size_px = [tables.output_width_px(), tables.output_height_px()].map(usize::from);
+    let mut out = vec![0; Format::Nv12.picture_bytes(size_px)];
+    let (above, below) = out.split_at_mut(size_px[0] * size_px[1]);
+    let row_bytes = luma.row_bytes();
+    (luma.frame(&left.luma, &right.luma, above, row_bytes)).expect("sizes fit");
+    (chroma.frame(&left.chroma, &right.chroma, below, row_bytes)).expect("sizes fit");
+    out
+}
+
+#[test]
+fn padding_is_never_part_of_a_picture_in_nv12() {
+    for seed in 0..cases(500) {
+        let mut rng = rng(seed);
+        let bytes = table(&mut rng, [70, 9]).to_bytes().expect("few runs");
+        let tables = Tables::parse(&bytes).expect("valid by construction");
+        let source_px = tables.source_size_px(Eye::Left).expect("both eyes");
+        if !Format::Nv12.holds_width(tables.output_width_px()) {
+            continue;
+        }
+        let length = Format::Nv12.picture_bytes(source_px.map(usize::from));
+        let [left, right] = [frame(&mut rng, length), frame(&mut rng, length)];
+        let pair = Pair {
+            left: &left,
+            right: &right,
+        };
+        let packed = quantised::stitch(&tables, Format::Nv12, Sampler::Bilinear, pair);
+        for padding in [0, 1, 64] {
+            let padded = nv12_with_padding(&tables, pair, padding);
+            assert!(padded == packed, "seed {seed}, {padding} bytes of padding");
+        }
     }
 }
 

@@ -107,8 +107,16 @@ fn sample(planes: &Planes, channel: usize, at_q8: [i32; 2], sampler: Sampler) ->
     let plane = &planes.planes[channel];
     let [step_x, step_y] = plane.cell_px.map(|px| px as i32);
     let (width, height) = (plane.width, plane.values.len() / plane.width);
+    // What is larger than a pixel stands for its missing neighbour; a position outside of the frame
+    // is no position.
+    let place = |at: i32, size: usize, step: i32| {
+        let greatest = if step > 1 { size - 1 } else { usize::MAX };
+        (at as usize).min(greatest)
+    };
     let get = |x: i32, y: i32| {
-        plane.values[(y as usize).min(height - 1) * width + (x as usize).min(width - 1)]
+        let (x, y) = (place(x, width, step_x), place(y, height, step_y));
+        assert!(x < width && y < height, "a position outside of the frame");
+        plane.values[y * width + x]
     };
     let [x, y] = at_q8;
     match sampler {
@@ -120,6 +128,35 @@ fn sample(planes: &Planes, channel: usize, at_q8: [i32; 2], sampler: Sampler) ->
             let upper = (1.0 - fx) * get(x, y) + fx * get(x + 1, y);
             let lower = (1.0 - fx) * get(x, y + 1) + fx * get(x + 1, y + 1);
             round((1.0 - fy) * upper + fy * lower)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::catch_unwind;
+
+    use super::*;
+
+    #[test]
+    fn only_cells_larger_than_a_pixel_stand_for_a_neighbour_that_is_missing() {
+        let size_px = [4, 4];
+        for format in [Format::Gray8, Format::Rgb8, Format::Yuyv, Format::Nv12] {
+            let bytes = vec![9; format.picture_bytes(size_px)];
+            let planes = Planes::decode(format, size_px, &bytes);
+            for (channel, plane) in planes.planes.iter().enumerate() {
+                for axis in [0, 1] {
+                    // In the middle of the last pixel but one, and of the last one.
+                    for (last, is_inside) in [(2, true), (3, plane.cell_px[axis] > 1)] {
+                        let mut at_q8 = [256; 2];
+                        at_q8[axis] = last << 8 | 128;
+                        let sampled =
+                            catch_unwind(|| sample(&planes, channel, at_q8, Sampler::Bilinear));
+                        let due = is_inside.then_some(9.0);
+                        assert_eq!(sampled.ok(), due, "{format:?} {channel} {at_q8:?}");
+                    }
+                }
+            }
         }
     }
 }

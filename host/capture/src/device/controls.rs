@@ -1,5 +1,6 @@
 //! Exposure, gain and white balance, the same on both eyes.
 
+use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 use std::{fmt, io};
 
@@ -21,6 +22,8 @@ const EXPOSURE: u32 = 0x009a_0902;
 const DYNAMIC_FRAME_RATE: u32 = 0x009a_0903;
 /// `V4L2_EXPOSURE_MANUAL`.
 const MANUAL_EXPOSURE: i64 = 1;
+/// `V4L2_EXPOSURE_SHUTTER_PRIORITY`: the time is set by hand, the aperture is not.
+const EXPOSURE_BEFORE_APERTURE: i64 = 2;
 
 /// Values of controls; `None` leaves one alone.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -76,6 +79,31 @@ impl ControlSettings {
         }
     }
 
+    /// What a device keeps to now: not what its automatics do at this moment.
+    fn kept(device: &Device) -> Self {
+        let is_on = |id, off: &[Value]| match device.control(id) {
+            Ok(Control { value, .. }) => !off.contains(&value),
+            Err(_) => false,
+        };
+        let manual = [MANUAL_EXPOSURE, EXPOSURE_BEFORE_APERTURE].map(Value::Integer);
+        let off = [Value::Boolean(false)];
+        let has = Self::of(device);
+        Self {
+            exposure: has.exposure.filter(|_| !is_on(AUTO_EXPOSURE, &manual)),
+            gain: has.gain.filter(|_| !is_on(AUTO_GAIN, &off)),
+            white_balance_k: (has.white_balance_k).filter(|_| !is_on(AUTO_WHITE_BALANCE, &off)),
+        }
+    }
+
+    /// For a recording's description.
+    pub(super) fn facts(&self) -> serde_json::Value {
+        serde_json::json!({
+            "exposure_ms": self.exposure.map(|v| v as f64 / 10.0),
+            "gain": self.gain,
+            "white_balance_k": self.white_balance_k,
+        })
+    }
+
     /// Of what devices have, what the first has in those controls that all have.
     pub(super) fn common(present: &[Self]) -> Self {
         let common = |pick: fn(&Self) -> Option<i64>| {
@@ -88,6 +116,20 @@ impl ControlSettings {
             white_balance_k: common(|has| has.white_balance_k),
         }
     }
+}
+
+/// What the camera at `path` is set to now, as the [facts](crate::FrameSource::facts) of a camera have it;
+/// a control is null while an automatic moves it. `None` where there is no camera.
+pub fn control_facts(path: &Path) -> Option<serde_json::Value> {
+    let is_there = is_device(path);
+    let device = is_there.then(|| Device::with_path(path).ok())??;
+    Some(ControlSettings::kept(&device).facts())
+}
+
+/// Whether a name is a device's: opening something else may wait for its other end.
+pub(super) fn is_device(path: &Path) -> bool {
+    let kind = path.metadata().map(|data| data.file_type());
+    kind.is_ok_and(|kind| kind.is_char_device())
 }
 
 fn set(device: &Device, id: u32, value: i64) -> io::Result<()> {
@@ -129,7 +171,7 @@ pub(super) fn words(present: &[ControlSettings]) -> String {
 /// What came of setting controls.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Locked {
-    /// What all cameras were given; nothing, where they have no such controls.
+    /// What all cameras were set to; nothing, where they have no such controls.
     pub asked: ControlSettings,
     /// What each camera has of that, read back from it.
     pub has: Vec<ControlSettings>,
@@ -139,7 +181,7 @@ impl fmt::Display for Locked {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&words(&self.has))?;
         if self.has.iter().any(|has| *has != self.asked) {
-            write!(f, " (asked for was {})", self.asked)?;
+            write!(f, " (set was {})", self.asked)?;
         }
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! Exposure, gain and white balance while the cameras run, as the preview's page sets them.
 
-use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::Duration;
@@ -8,7 +7,7 @@ use std::time::Duration;
 use v4l::Device;
 
 use super::ControlSettings;
-use super::controls::words;
+use super::controls::{is_device, words};
 use crate::Health;
 use crate::preview::{Controls, Eyes, Outcome, lock};
 
@@ -42,10 +41,6 @@ impl LiveControls {
         let cameras: Vec<_> = eyes
             .map(|(name, health)| (PathBuf::from(name), health.clone()))
             .collect();
-        let is_device = |path: &Path| {
-            let kind = path.metadata().map(|data| data.file_type());
-            kind.is_ok_and(|kind| kind.is_char_device())
-        };
         if cameras.is_empty() || !cameras.iter().all(|(path, _)| is_device(path)) {
             return None;
         }

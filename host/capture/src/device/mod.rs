@@ -11,7 +11,7 @@ mod list;
 mod live;
 mod negotiate;
 
-pub use controls::{ControlSettings, Locked, lock_together};
+pub use controls::{ControlSettings, Locked, control_facts, lock_together};
 pub use list::{Listed, list, stable_names};
 pub use live::LiveControls;
 pub use negotiate::Wanted;
@@ -222,14 +222,11 @@ impl FrameSource for Camera {
     }
 
     fn facts(&self) -> serde_json::Value {
-        let controls = &self.has;
-        serde_json::json!({
-            "product": self.product,
-            "stable_names": stable_names(&self.path.canonicalize().unwrap_or_default()),
-            "exposure_ms": controls.exposure.map(|v| v as f64 / 10.0),
-            "gain": controls.gain,
-            "white_balance_k": controls.white_balance_k,
-        })
+        let mut facts = self.has.facts();
+        facts["product"] = serde_json::json!(self.product);
+        let names = stable_names(&self.path.canonicalize().unwrap_or_default());
+        facts["stable_names"] = serde_json::json!(names);
+        facts
     }
 
     fn next(&mut self) -> Result<Next<'_>, CaptureError> {

@@ -129,8 +129,8 @@ function render() {
   id("alarm").hidden = alarms.length === 0;
   const text = alarms.join(" ");
   if (id("alarm").textContent !== text) id("alarm").textContent = text;
-  // A session's own lines say the rest.
-  const state = facts.session ? (facts.figures || {})["frame rate"] : facts.state;
+  // A session's own lines say the rest, but not that there are no more frames.
+  const state = facts.session && !facts.ended ? (facts.figures || {})["frame rate"] : facts.state;
   id("state").textContent = words ? "not live" : state || "waiting for frames";
   id("state").classList.toggle("bad", Boolean(words));
 }

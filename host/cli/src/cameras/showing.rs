@@ -47,10 +47,28 @@ pub fn serve(
 /// Saves in `folder` what the page asks for of a feed.
 pub fn operator(folder: &Path, feed: &Feed) -> Operator {
     let ([left, right], [of_left, of_right]) = (feed.eyes(), feed.facts());
-    Operator::new(folder, feed.rate(), false).with_sources([
+    let operator = Operator::new(folder, feed.rate(), false).with_sources([
         left.map(|(name, _)| (name, of_left)),
         right.map(|(name, _)| (name, of_right)),
-    ])
+    ]);
+    with_controls(operator, feed)
+}
+
+/// What the page sets while a feed is seen is in what is recorded from then on.
+#[cfg(feature = "v4l2")]
+fn with_controls(operator: Operator, feed: &Feed) -> Operator {
+    let [left, right] = feed.sources().map(|eye| eye.map(|(name, _)| name));
+    // One camera may give both eyes.
+    let names = [left.clone(), right.or(left)];
+    operator.with_settings(move || {
+        let facts = |name: &String| tectum_capture::device::control_facts(Path::new(name));
+        names.each_ref().map(|name| name.as_ref().and_then(facts))
+    })
+}
+
+#[cfg(not(feature = "v4l2"))]
+fn with_controls(operator: Operator, _feed: &Feed) -> Operator {
+    operator
 }
 
 /// The cameras' own controls, where the eyes are cameras.

@@ -136,7 +136,8 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
         eye.as_ref()
             .map_or([0, 0], |eye| eye.eye.size_px.map(usize::from))
     });
-    for format in Format::ALL.into_iter().filter(|f| f.holds_width(width)) {
+    let held = |format: &Format| format.holds_width(width);
+    for format in Format::ALL.into_iter().filter(held) {
         let [left, right] = frames.map(|size_px| format.picture_bytes(size_px));
         let instructions = instructions::of_picture(format, pixels)
             .map_or("not counted".into(), |n| format!("{:.1} million", n / 1e6));
@@ -149,8 +150,10 @@ fn cost_sheet(baked: &Baked, rig: &Rig, width: u16) -> String {
             format.picture_bytes([width.into(), format.rows()]),
         );
     }
-    text += "* estimate: pixels by owner times instructions counted on an emulated Cortex-M7\n\
-             nv12: an output row is two of luma with the one of chroma that they share";
+    text += "* estimate: pixels by owner times instructions counted on an emulated Cortex-M7";
+    if held(&Format::Nv12) {
+        text += "\nnv12: output row = two rows of luma and their shared row of chroma";
+    }
     text
 }
 

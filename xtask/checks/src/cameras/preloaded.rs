@@ -2,9 +2,11 @@
 //! and gaps at known places, rows with padding, controls of exposure, what cannot be read.
 
 use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use anyhow::{Context, bail, ensure};
 use image::codecs::jpeg::JpegEncoder;
@@ -63,11 +65,12 @@ pub fn check(folder: &Path, program: &Path) -> anyhow::Result<bool> {
         program,
         driver,
     };
-    let checks: [(&str, Check); 5] = [
+    let checks: [(&str, Check); 6] = [
         ("motion JPEG, one frame cut and one lost", motion_jpeg),
         ("motion JPEG to y4m", motion_jpeg_to_y4m),
         ("rows with padding", padding),
         ("exposure set, read back and recorded", exposure),
+        ("exposure set at the page, and recorded", page),
         ("interlaced and unknown", refusals),
     ];
     for (name, check) in checks {
@@ -85,6 +88,10 @@ impl Bench<'_> {
         settings: &[(&str, &str)],
         arguments: &str,
     ) -> anyhow::Result<Output> {
+        Ok(self.command(format, settings, arguments).output()?)
+    }
+
+    fn command(&self, format: &str, settings: &[(&str, &str)], arguments: &str) -> Command {
         let mut command = Command::new(self.program);
         command
             .args(arguments.split_whitespace())
@@ -97,7 +104,7 @@ impl Bench<'_> {
             .env("FORMAT", format)
             .env("HZ", (1_000_000 / PERIOD_US).to_string());
         command.envs(settings.iter().copied());
-        Ok(command.output()?)
+        command
     }
 
     /// The report of what must succeed.
@@ -392,7 +399,7 @@ fn exposure(bench: &Bench<'_>) -> anyhow::Result<()> {
         (
             "--exposure 50 --lock",
             48,
-            "locked: exposure 4.8 ms (asked for was exposure 5 ms)",
+            "locked: exposure 4.8 ms (set was exposure 5 ms)",
         ),
         ("--lock", 160, "locked: exposure 16 ms"),
     ] {
@@ -433,6 +440,80 @@ fn exposure(bench: &Bench<'_>) -> anyhow::Result<()> {
         output.status.code() == Some(1) && stderr.contains("the controls: exposure 5 ms"),
         "--exposure without controls: {stderr}"
     );
+    Ok(())
+}
+
+/// What the page sets is in the description of what is recorded from then on.
+fn page(bench: &Bench<'_>) -> anyhow::Result<()> {
+    let [width, height] = SIZE_PX;
+    for (eye, name) in ["left", "right"].into_iter().enumerate() {
+        let frame = |n| Scripted {
+            sequence: n,
+            time_us: n * PERIOD_US + eye * RIGHT_LATER_US,
+            bytes: vec![90; width * height],
+        };
+        bench.script(name, &(0..8 * FRAMES).map(frame).collect::<Vec<_>>())?;
+    }
+    let arguments = "view --address 127.0.0.1:0 --folder page";
+    let mut command = bench.command("GREY", &[("CONTROLS", "controls.txt")], arguments);
+    let mut view = command
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()?;
+    let asked = view.stderr.take().context("no stderr").and_then(|stderr| {
+        let mut said = BufReader::new(stderr).lines();
+        let notice = said.next().context("no address")??;
+        let address = notice.split_once("http://").context(notice.clone())?.1;
+        let (host, token) = address.split_once("/#token=").context(notice.clone())?;
+        for path in [
+            "/record?on=1",
+            "/record?on=0",
+            "/exposure?value=50",
+            "/record?on=1",
+            "/record?on=0",
+        ] {
+            post(host, token.trim(), path)?;
+        }
+        Ok(())
+    });
+    view.kill()?;
+    view.wait()?;
+    asked?;
+    let mut recorded = Vec::new();
+    for file in fs::read_dir(bench.folder.join("page"))? {
+        let path = file?.path();
+        if path.extension().is_some_and(|ending| ending == "json") {
+            recorded.push(path);
+        }
+    }
+    recorded.sort();
+    ensure!(recorded.len() == 2, "{recorded:?}");
+    // The automatic's own time is nothing that holds.
+    for (path, due) in recorded.iter().zip([Value::Null, json!(4.8)]) {
+        let about: Value = serde_json::from_slice(&fs::read(path)?)?;
+        for eye in ["left", "right"] {
+            let recorded = &about[eye]["facts"]["exposure_ms"];
+            ensure!(
+                *recorded == due,
+                "{}, {eye}: {recorded} where {due} was due",
+                path.display()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Asks a page for something that must succeed.
+fn post(host: &str, token: &str, path: &str) -> anyhow::Result<()> {
+    let mut stream = TcpStream::connect(host)?;
+    write!(
+        stream,
+        "POST {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\
+         X-Tectum-Token: {token}\r\nContent-Length: 0\r\n\r\n"
+    )?;
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer)?;
+    ensure!(answer.starts_with("HTTP/1.1 200"), "{path}: {answer}");
     Ok(())
 }
 
