@@ -7,6 +7,7 @@ mod fuzz;
 mod jobs;
 mod programs;
 mod record;
+mod seen;
 mod steps;
 mod tally;
 
@@ -24,7 +25,8 @@ cargo xtask test [--install] [--only STEP] [--all] [--list]
     (`--only host/calibrate/chessboard`: one test program). Missing Debian packages are installed with
     --install or where CI=true; otherwise the steps that need them are skipped and say so. Firmware
     and aarch64 are left out while their sources are those that campaigns `boards` and `aarch64`
-    passed on; --all or --only NAME runs them.
+    passed on, and test programs while nothing has changed since they passed in this target
+    folder; --all or --only NAME runs them.
 cargo xtask campaign NAME | --list
     What takes too long for `test`: --list says what each proves, how long it takes and whether its
     part has changed since it passed.

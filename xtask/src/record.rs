@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, bail};
@@ -22,13 +22,9 @@ pub fn is_current(name: &str, part: &[&str]) -> bool {
 pub fn passed(name: &str, hash: String) -> anyhow::Result<()> {
     let mut record = read()?;
     record.insert(name.to_owned(), hash);
-    let lines: Vec<String> = record
-        .iter()
-        .map(|(name, hash)| format!("{name} {hash}\n"))
-        .collect();
     let file = file();
     let new = file.with_extension("new");
-    fs::write(&new, lines.concat())?;
+    fs::write(&new, text(&record))?;
     fs::rename(&new, &file).with_context(|| file.display().to_string())
 }
 
@@ -41,10 +37,21 @@ fn read() -> anyhow::Result<BTreeMap<String, String>> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
         text => text.with_context(|| file().display().to_string())?,
     };
+    Ok(parse(&text))
+}
+
+/// Names and hashes, a line each.
+pub fn parse(text: &str) -> BTreeMap<String, String> {
     let words = text.lines().filter_map(|line| line.split_once(' '));
-    Ok(words
+    words
         .map(|(name, hash)| (name.into(), hash.into()))
-        .collect())
+        .collect()
+}
+
+/// What [`parse`] reads.
+pub fn text(record: &BTreeMap<String, String>) -> String {
+    let lines = record.iter().map(|(name, hash)| format!("{name} {hash}\n"));
+    lines.collect()
 }
 
 /// Hash of the names and contents of all files of a part, committed or not, that git does not ignore.
@@ -63,10 +70,20 @@ pub fn hash(part: &[&str]) -> anyhow::Result<String> {
         .collect();
     names.sort();
     let names = names.join("\n") + "\n";
-    let contents = git(&["hash-object", "--no-filters", "--stdin-paths"], &names)?;
+    let contents = contents_of(&names)?;
     Ok(git(&["hash-object", "--stdin"], &(names + &contents))?
         .trim()
         .to_owned())
+}
+
+/// Hashes of the contents of files, a line each.
+pub fn contents(files: &[&Path]) -> anyhow::Result<String> {
+    let names = files.iter().map(|file| format!("{}\n", file.display()));
+    contents_of(&names.collect::<String>())
+}
+
+fn contents_of(names: &str) -> anyhow::Result<String> {
+    git(&["hash-object", "--no-filters", "--stdin-paths"], names)
 }
 
 fn git(arguments: &[&str], input: &str) -> anyhow::Result<String> {

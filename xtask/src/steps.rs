@@ -11,6 +11,7 @@ use xtask::{Outcome, packages, repository};
 
 use crate::cargo::{self, cargo, everything};
 use crate::jobs::{self, Job, Kind};
+use crate::seen::Seen;
 use crate::tally::Tally;
 use crate::{aarch64, campaign, fuzz, programs};
 
@@ -133,6 +134,7 @@ struct Report {
     lines: Vec<String>,
     total: Tally,
     failed: Vec<String>,
+    seen: Seen,
 }
 
 impl Report {
@@ -174,6 +176,18 @@ impl Report {
         });
         if !self.failed.is_empty() && built.is_empty() {
             return Ok(Vec::new());
+        }
+        self.seen = Seen::new(&built);
+        let runs_all = options.all || only.is_some();
+        let before = built.len();
+        built.retain(|program| runs_all || !self.seen.has_passed(&program.name));
+        if built.len() < before {
+            let line = format!(
+                "{} test programs: unchanged since they passed in this target folder (--all runs them)",
+                before - built.len()
+            );
+            println!("{line}");
+            self.lines.push(format!("    0 s  {line}"));
         }
         let mut jobs: Vec<Job> = built.into_iter().map(test_program).collect();
         jobs.push(doctests());
@@ -243,8 +257,13 @@ impl Report {
                 "{:>5.0} s  {}: {}",
                 job.seconds, job.name, job.tally
             ));
+            // A test that is skipped today may find what it needs tomorrow.
+            if job.tally.failed == 0 && job.tally.skipped.is_empty() {
+                self.seen.pass(&job.name);
+            }
             self.count(&job.name, job.tally);
         }
+        self.seen.keep();
         let seconds = start.elapsed().as_secs_f64();
         self.lines.push(format!("{seconds:>5.0} s  together"));
         Ok(())
