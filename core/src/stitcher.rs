@@ -120,7 +120,7 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
     }
 
     /// Output rows of bytes, one for each [`PixelFormat::ROWS`] of the picture.
-    fn rows(&self) -> u16 {
+    pub fn rows(&self) -> u16 {
         self.tables.output_height_px().div_ceil(F::ROWS as u16)
     }
 

@@ -35,11 +35,14 @@ impl Seen {
         // Without the data sets beside the checkout other tests run.
         let data = xtask::repository().join("../shared/data").is_dir();
         let tectum = target_dir("debug").join("tectum");
-        for program in programs {
-            if let Ok(executables) = record::contents(&[&program.path, &tectum]) {
-                let key = format!("{inputs}-{data}-{}", executables.replace('\n', "-"));
-                seen.now.insert(program.name.clone(), key);
-            }
+        let mut files = vec![tectum.as_path()];
+        files.extend(programs.iter().map(|program| program.path.as_path()));
+        let executables = record::contents(&files).unwrap_or_default();
+        let mut executables = executables.lines();
+        let tectum = executables.next().unwrap_or_default();
+        for (program, executable) in programs.iter().zip(executables) {
+            let key = format!("{inputs}-{data}-{tectum}-{executable}");
+            seen.now.insert(program.name.clone(), key);
         }
         seen
     }

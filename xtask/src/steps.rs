@@ -182,12 +182,8 @@ impl Report {
         let before = built.len();
         built.retain(|program| runs_all || !self.seen.has_passed(&program.name));
         if built.len() < before {
-            let line = format!(
-                "{} test programs: unchanged since they passed in this target folder (--all runs them)",
-                before - built.len()
-            );
-            println!("{line}");
-            self.lines.push(format!("    0 s  {line}"));
+            let what = format!("{} test programs", before - built.len());
+            self.unchanged(&what, "they passed in this target folder");
         }
         let mut jobs: Vec<Job> = built.into_iter().map(test_program).collect();
         jobs.push(doctests());
@@ -196,12 +192,12 @@ impl Report {
         // Who asks for one of them gets it whole.
         let is_asked = |name: &str| options.all || only == Some(name);
         if !is_asked("firmware") && campaign::boards_are_current() {
-            self.unchanged("firmware", "boards");
+            self.unchanged("firmware", "campaign `boards` passed");
         } else {
             jobs.push(check("firmware", &["test"]));
         }
         if !is_asked("aarch64") && campaign::aarch64_is_current() {
-            self.unchanged("aarch64", "aarch64");
+            self.unchanged("aarch64", "campaign `aarch64` passed");
         } else if packages::are_there(AARCH64) {
             jobs.push(Job::new("aarch64", Kind::Tests, aarch64::command()));
         } else {
@@ -237,9 +233,9 @@ impl Report {
         self.count(name, Tally::whole(name, &outcome));
     }
 
-    /// Says that a campaign has passed on the same sources.
-    fn unchanged(&mut self, what: &str, campaign: &str) {
-        let line = format!("{what}: unchanged since campaign `{campaign}` passed (--all runs it)");
+    /// Says what is left out, because it has passed as it is.
+    fn unchanged(&mut self, what: &str, since: &str) {
+        let line = format!("{what}: unchanged since {since} (--all runs all)");
         println!("{line}");
         self.lines.push(format!("    0 s  {line}"));
     }

@@ -236,6 +236,18 @@ pub fn stitch_parallel(
     )
 }
 
+/// The planes of a picture that has them all, each with its bytes.
+fn split_planes(
+    format: Format,
+    size_px: [usize; 2],
+    picture: &mut [u8],
+) -> impl Iterator<Item = (Plane, &mut [u8])> {
+    format.planes().iter().scan(picture, move |rest, plane| {
+        let bytes = rest.split_off_mut(..plane.bytes(size_px))?;
+        Some((*plane, bytes))
+    })
+}
+
 /// A picture whose planes `stitch` fills one by one.
 fn by_planes(
     tables: &Tables<'_>,
@@ -245,13 +257,10 @@ fn by_planes(
 ) -> Result<Vec<u8>, StitchFailure> {
     let size_px = [tables.output_width_px(), tables.output_height_px()].map(usize::from);
     let mut out = vec![0; format.picture_bytes(size_px)];
-    let mut rest = out.as_mut_slice();
     let mut sources = [(Eye::Left, pair.left), (Eye::Right, pair.right)];
-    for plane in format.planes() {
-        let (here, after) = rest.split_at_mut(plane.bytes(size_px));
-        rest = after;
+    for (plane, here) in split_planes(format, size_px, &mut out) {
         let [(_, left), (_, right)] = sources;
-        stitch(*plane, Pair { left, right }, here)?;
+        stitch(plane, Pair { left, right }, here)?;
         for (eye, bytes) in &mut sources {
             let size_px = tables.source_size_px(*eye).unwrap_or_default();
             let used = plane.bytes(size_px.map(usize::from));
@@ -275,10 +284,7 @@ pub fn draw_overlay(
         let expected = format.planes()[0].row_bytes(size_px[0]);
         return Err(tectum_core::StitchError::OutputLength { expected }.into());
     }
-    let mut rest = picture;
-    for plane in format.planes() {
-        let (here, after) = rest.split_at_mut(plane.bytes(size_px));
-        rest = after;
+    for (plane, here) in split_planes(format, size_px, picture) {
         with_plane!(plane, F => draw_overlay_as::<F>(overlay, here))?;
     }
     Ok(())

@@ -21,8 +21,7 @@ pub fn stitch_bands<F: PixelFormat + Sync>(
 ) -> Result<(), StitchError> {
     let stitcher = Stitcher::<F>::new(tables, sampler)?;
     let row_bytes = stitcher.row_bytes();
-    let rows = usize::from(tables.output_height_px()).div_ceil(F::ROWS);
-    if out.len() != row_bytes * rows {
+    if out.len() != row_bytes * usize::from(stitcher.rows()) {
         return Err(StitchError::OutputLength {
             expected: row_bytes,
         });

@@ -64,28 +64,37 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-#[test]
-fn pictures_videos_and_marks_are_saved_with_their_time() {
-    let bench = tempfile::tempdir().unwrap();
-    let folder = bench.path().join("dive");
+/// A page whose requests are answered.
+fn preview() -> Preview {
     let fixed = Fixed {
         takes_requests: true,
         ..Fixed::default()
     };
-    let preview = Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap();
-    let source = |name: &str| Some((name.to_owned(), serde_json::json!({ "gain": 7 })));
-    let mut operator = Operator::new(&folder, [30, 1], false)
-        .with_sources([source("camera a"), source("camera b")]);
-    let data = [vec![40; 64 * 32], vec![80; 64 * 32]];
-    let frame = |eye: usize, sequence: u32| Frame {
-        data: &data[eye],
+    Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap()
+}
+
+/// A frame with that number, one each millisecond.
+fn frame(data: &[u8], sequence: u32) -> Frame<'_> {
+    Frame {
+        data,
         format: FORMAT,
         time_ns: 1_000_000 * i64::from(sequence),
         sequence,
         superseded: false,
-    };
+    }
+}
+
+#[test]
+fn pictures_videos_and_marks_are_saved_with_their_time() {
+    let bench = tempfile::tempdir().unwrap();
+    let folder = bench.path().join("dive");
+    let preview = preview();
+    let source = |name: &str| Some((name.to_owned(), serde_json::json!({ "gain": 7 })));
+    let mut operator = Operator::new(&folder, [30, 1], false)
+        .with_sources([source("camera a"), source("camera b")]);
+    let data = [vec![40; 64 * 32], vec![80; 64 * 32]];
     let moment = |sequence| Moment {
-        eyes: [Some(frame(0, sequence)), Some(frame(1, sequence))],
+        eyes: [0, 1].map(|eye: usize| Some(frame(&data[eye], sequence))),
         stitched: None,
     };
     let ask = |operator: &mut Operator, path| asked(&preview, operator, &moment(7), path);
@@ -101,7 +110,7 @@ fn pictures_videos_and_marks_are_saved_with_their_time() {
     }
     // A pair that lacks an eye is in neither video.
     operator.frames(&Moment {
-        eyes: [Some(frame(0, 5)), None],
+        eyes: [Some(frame(&data[0], 5)), None],
         stitched: None,
     });
     assert_eq!(operator.status()["recording"]["frames"], 5);
@@ -159,11 +168,7 @@ fn pictures_videos_and_marks_are_saved_with_their_time() {
 #[test]
 fn a_recording_states_what_cameras_are_set_to_when_it_begins() {
     let bench = tempfile::tempdir().unwrap();
-    let fixed = Fixed {
-        takes_requests: true,
-        ..Fixed::default()
-    };
-    let preview = Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap();
+    let preview = preview();
     let source = |name: &str| {
         let facts = serde_json::json!({ "product": "eye", "exposure_ms": null, "gain": 7 });
         Some((name.to_owned(), facts))
@@ -177,13 +182,7 @@ fn a_recording_states_what_cameras_are_set_to_when_it_begins() {
             [Some(left), None]
         });
     let data = [9; 64 * 32];
-    let frame = Frame {
-        data: &data,
-        format: FORMAT,
-        time_ns: 0,
-        sequence: 0,
-        superseded: false,
-    };
+    let frame = frame(&data, 0);
     let moment = Moment {
         eyes: [Some(frame), Some(frame)],
         stitched: None,
@@ -214,20 +213,10 @@ fn a_folder_whose_name_is_not_utf8_is_told_as_far_as_it_goes() {
 #[test]
 fn a_recording_ends_with_the_frames() {
     let bench = tempfile::tempdir().unwrap();
-    let fixed = Fixed {
-        takes_requests: true,
-        ..Fixed::default()
-    };
-    let preview = Preview::serve("127.0.0.1:0".parse().unwrap(), fixed).unwrap();
+    let preview = preview();
     let mut operator = Operator::new(bench.path(), [30, 1], false);
     let data = [9; 64 * 32];
-    let frame = Frame {
-        data: &data,
-        format: FORMAT,
-        time_ns: 0,
-        sequence: 0,
-        superseded: false,
-    };
+    let frame = frame(&data, 0);
     let moment = Moment {
         eyes: [None, Some(frame)],
         stitched: None,

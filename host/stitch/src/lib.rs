@@ -16,6 +16,7 @@ pub mod colour;
 mod correspondence;
 pub mod distance;
 pub mod epipolar;
+mod fault;
 pub mod features;
 pub mod matching;
 pub mod orientation;

@@ -102,7 +102,7 @@ fn run<F: PixelFormat>(tables: &Tables<'_>, sources: [[u16; 2]; 2]) {
             return;
         };
         let mut row = vec![0; stitcher.row_bytes()];
-        for y in 0..tables.output_height_px().div_ceil(F::ROWS as u16) {
+        for y in 0..stitcher.rows() {
             let _ = stitcher.row(&left, &right, y, &mut row);
             let stitcher = stitcher.with_tone(&tone);
             let _ = stitcher.left_row(&left, y, &mut row);

@@ -312,7 +312,7 @@ fn formats<F: tectum_core::PixelFormat>(
     let with_table = Stitcher::new(baked, Sampler::Bilinear).expect("the same width");
     let [mut by_gains, mut by_table, mut by_eyes] =
         [0, 1, 2].map(|_| vec![0; stitcher.row_bytes()]);
-    for y in 0..tables.output_height_px().div_ceil(F::ROWS as u16) {
+    for y in 0..stitcher.rows() {
         with_gains
             .row(&left, &right, y, &mut by_gains)
             .expect("sizes fit");

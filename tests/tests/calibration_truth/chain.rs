@@ -242,8 +242,8 @@ pub fn directions(eyes: &[Eye; 2], tied: &StereoCalibration, medium: Medium) {
          raw pixels of boards and floating things: {pixels} degrees (with parallax to the body's \
          origin: {unparallaxed})\ncorners in the stitched picture: {corners} degrees",
         found.rms_rad.to_degrees(),
-        found.turned_rms_rad.to_degrees(),
-        found.turn.angle().to_degrees(),
+        found.turned.rms_rad.to_degrees(),
+        found.turned.turn.angle().to_degrees(),
     );
 
     // The paper's way: lenses as on their data sheets, the mount as drawn, the eyes taken to be at the

@@ -30,7 +30,7 @@ pub use error::EpipolarError;
 pub use markerless::{
     MARKERLESS_PASSES, Markerless, MarkerlessOptions, markerless, pose_of_matches,
 };
-pub use pose::{Baseline, RelativePose};
+pub use pose::{Baseline, RelativePose, rotation_between};
 pub use ransac::{RansacOptions, RansacResult, ransac};
 pub use rays::RayPair;
 pub use refine::{Refined, refine};

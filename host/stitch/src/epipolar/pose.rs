@@ -93,6 +93,6 @@ fn sampson(b: &Vector3<f64>, left: &Vector3<f64>, right: &Vector3<f64>) -> f64 {
 }
 
 /// Angle of the rotation between two, rad.
-pub(crate) fn rotation_between(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
+pub fn rotation_between(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
     vector_of_rotation(&(a.inverse() * b)).norm()
 }

@@ -14,7 +14,7 @@ pub const MIN_SHOTS: usize = 3;
 type Found = (usize, usize, Result<Pairing, Refusal>);
 pub type Chosen = Result<(usize, Cue), Refusal>;
 
-/// A reading for each shot and target, or why there is none.
+/// A reading for each shot and target, or why no reading is taken.
 pub fn decide(found: Vec<Found>, relative: Option<&Relative>) -> Vec<Outcome> {
     let pairings = found
         .iter()
@@ -81,7 +81,7 @@ pub fn by_rig(pairings: &[&Pairing], relative: &Relative) -> Vec<Chosen> {
         .enumerate()
         .filter_map(|(k, chosen)| {
             let (reading, _) = chosen.as_ref().ok()?;
-            let mut pair = pairings[k].pair();
+            let mut pair = pairings[k].pair.clone();
             pair.readings = vec![pair.readings[*reading]];
             Some((k, pair))
         })
@@ -107,7 +107,10 @@ fn by_shots(pairings: &[&Pairing]) -> Vec<Chosen> {
     {
         return vec![Ok((0, Cue::Marker))];
     }
-    let pairs: Vec<BoardPair> = pairings.iter().map(|pairing| pairing.pair()).collect();
+    let pairs: Vec<BoardPair> = pairings
+        .iter()
+        .map(|pairing| pairing.pair.clone())
+        .collect();
     let refusal = |pairing: &Pairing| match pairing.readings.len() {
         0 | 1 => Refusal::OtherShots,
         readings => Refusal::Ambiguous { readings },

@@ -5,6 +5,7 @@ use tectum_optics::Eye;
 
 use super::{Outcome, Refusal, Relative, Sighting, attempt};
 use crate::Eyes;
+use crate::fault::Fault;
 
 /// Outcomes with the reason that undoing a fault proves: if the boards fit a mount near the rig's with
 /// the pictures swapped, or mirrored back, and no board does as it is.
@@ -38,35 +39,33 @@ pub fn reasons(
             .count()
             > failed
     };
-    let swapped = fits(shots.iter().map(|[l, r]| [r.clone(), l.clone()]).collect());
     // A marker that was read is not mirrored.
     let may_be = [0, 1].map(|eye: usize| shots.iter().all(|shot| shot[eye].markers.is_empty()));
-    let mirrored = |which: Eyes<bool>| {
+    let fault = Fault::find(|swapped, mirrored| {
         let repaired = shots.iter().map(|shot| {
-            [0, 1].map(|eye: usize| match which[eye] {
+            let [left, right] = [0, 1].map(|eye: usize| match mirrored[eye] {
                 true => shot[eye].mirrored_back(eyes[eye].size_px[0]),
                 false => shot[eye].clone(),
-            })
+            });
+            match swapped {
+                true => [right, left],
+                false => [left, right],
+            }
         });
-        fits(repaired.collect())
-    };
-    let both = may_be == [true; 2] && mirrored([true; 2]);
-    let why = match (swapped, both) {
-        (true, true) => Some(Refusal::SwappedOrMirrored),
-        (true, false) => Some(Refusal::Swapped),
-        (false, true) => Some(Refusal::Mirrored {
-            eye: "left and the right",
-        }),
-        (false, false) if may_be[0] && mirrored([true, false]) => {
-            Some(Refusal::Mirrored { eye: "left" })
-        }
-        (false, false) if may_be[1] && mirrored([false, true]) => {
-            Some(Refusal::Mirrored { eye: "right" })
-        }
-        (false, false) => None,
-    };
-    let Some(why) = why else {
-        return outcomes;
+        let is_possible = (0..2).all(|eye| may_be[eye] || !mirrored[eye]);
+        is_possible && fits(repaired.collect())
+    });
+    let why = match fault {
+        Some(Fault::Swapped) => Refusal::Swapped,
+        Some(Fault::SwappedOrMirrored) => Refusal::SwappedOrMirrored,
+        Some(Fault::Mirrored(which)) => Refusal::Mirrored {
+            eye: match which {
+                [true, true] => "left and the right",
+                [true, false] => "left",
+                [false, _] => "right",
+            },
+        },
+        None => return outcomes,
     };
     let each = outcomes
         .into_iter()

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::fault;
+
 /// Why a board gives no pairs in a shot. `eye` is `left` or `right`.
 #[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
 #[serde(rename_all = "snake_case", tag = "reason")]
@@ -75,17 +77,11 @@ pub enum Refusal {
         off_deg: f64,
     },
     /// The pictures of the eyes are swapped.
-    #[error(
-        "the eyes are swapped: the left pictures fit the right eye, and the right ones the left; give \
-         them the other way round"
-    )]
+    #[error("{}", fault::SWAPPED)]
     Swapped,
     /// The pictures of the eyes are swapped, or all of them are mirrored: before eyes that are alike
     /// that is the same.
-    #[error(
-        "the eyes are swapped (the left pictures fit the right eye, the right ones the left), or all \
-         pictures are mirrored; this rig's eyes are alike, so that boards cannot tell which"
-    )]
+    #[error("{}", fault::swapped_or_mirrored("boards"))]
     SwappedOrMirrored,
     /// All shots agree on eyes that stand to each other unlike the rig's.
     #[error(

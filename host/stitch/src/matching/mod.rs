@@ -112,7 +112,7 @@ impl Relative {
     }
 
     /// Left camera <- right camera, mm.
-    fn left_from_right(&self) -> BoardPose {
+    pub(crate) fn left_from_right(&self) -> BoardPose {
         BoardPose {
             rotation: self.rotation,
             position_mm: self.position_m * 1000.0,

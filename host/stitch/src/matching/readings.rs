@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use tectum_calibrate::stereo::BoardPair;
-use tectum_calibrate::{Board, BoardPose};
+use tectum_calibrate::{Board, BoardPose, View};
 use tectum_optics::convention::angle_between;
 
 use super::placement::{Placement, labels};
@@ -21,6 +21,8 @@ pub struct Pairing {
     seen: Eyes<Seen>,
     /// Placements of both views; no two say the same about which corners are equal.
     pub readings: Vec<Eyes<Placement>>,
+    /// For what several pairings agree on; its readings are those above, in mm.
+    pub pair: BoardPair,
 }
 
 impl Pairing {
@@ -37,10 +39,20 @@ impl Pairing {
                 distinct.entry(relative).or_insert([*left, *right]);
             }
         }
+        let maps = distinct
+            .keys()
+            .map(|relative| relative.map(board.square_mm));
+        let pair = BoardPair {
+            left: seen[0].pose,
+            right: seen[1].pose,
+            readings: maps.collect(),
+            points_mm: ends_mm(&seen[1].view, board.square_mm),
+        };
         Self {
             board,
             seen,
             readings: distinct.into_values().collect(),
+            pair,
         }
     }
 
@@ -49,25 +61,9 @@ impl Pairing {
         self.seen.iter().all(|seen| seen.placement.is_some())
     }
 
-    /// For what several pairings agree on.
-    pub fn pair(&self) -> BoardPair {
-        let square_mm = self.board.square_mm;
-        let maps = self.readings.iter().map(|[left, right]| {
-            let left_from_right = left.inverse().after(right);
-            left_from_right.map(square_mm)
-        });
-        BoardPair {
-            left: self.seen[0].pose,
-            right: self.seen[1].pose,
-            readings: maps.collect(),
-            points_mm: self.ends_mm(),
-        }
-    }
-
     /// All sights of both eyes by a reading, points as the left view's labels have them.
     pub fn sights(&self, reading: usize) -> BoardSights {
-        let [left, right] = &self.readings[reading];
-        let map = left.inverse().after(right).map(self.board.square_mm);
+        let map = &self.pair.readings[reading];
         let of_right = self.seen[1].sights.iter().map(|sight| Sight {
             point_mm: map.apply(&sight.point_mm),
             ray: sight.ray,
@@ -80,10 +76,9 @@ impl Pairing {
 
     /// Left camera <- right camera as a reading of this board alone implies it, mm.
     pub fn implied(&self, reading: usize) -> BoardPose {
-        let [left, right] = &self.readings[reading];
-        let map = left.inverse().after(right).map(self.board.square_mm);
-        let [in_left, in_right] = [0, 1].map(|eye: usize| self.seen[eye].pose);
-        in_left.after(&map).after(&in_right.inverse())
+        let BoardPair { left, right, .. } = &self.pair;
+        left.after(&self.pair.readings[reading])
+            .after(&right.inverse())
     }
 
     /// The readings that `relative` (right camera <- left camera, mm) comes nearest to, by index.
@@ -106,21 +101,10 @@ impl Pairing {
         libm::sqrt(square / count.max(1) as f64)
     }
 
-    /// The corners of the right view that lie farthest out along its diagonals.
-    fn ends_mm(&self) -> Vec<Vector3<f64>> {
-        let ends = [[1, 1], [1, -1], [-1, 1], [-1, -1]].map(|[a, b]: [i32; 2]| {
-            let along = |label: &[i32; 2]| a * label[0] + b * label[1];
-            labels(&self.seen[1].view).max_by_key(along)
-        });
-        let ends = ends.into_iter().flatten();
-        ends.map(|[i, j]| Vector3::new(f64::from(i), f64::from(j), 0.0) * self.board.square_mm)
-            .collect()
-    }
-
     /// Greatest angle between where the right eye sees the ends of its view and where `relative`
     /// (right camera <- left camera, mm) puts them, by reading, rad.
     pub fn offsets_rad(&self, relative: &BoardPose) -> Vec<f64> {
-        let pair = self.pair();
+        let pair = &self.pair;
         let off = |reading: &BoardPose| {
             let angles = pair.points_mm.iter().map(|point| {
                 let put = relative.apply(&pair.left.apply(&reading.apply(point)));
@@ -165,4 +149,15 @@ impl Pairing {
         }
         Ok(Match { cue, corners })
     }
+}
+
+/// The corners of a view that lie farthest out along its diagonals.
+fn ends_mm(view: &View, square_mm: f64) -> Vec<Vector3<f64>> {
+    let ends = [[1, 1], [1, -1], [-1, 1], [-1, -1]].map(|[a, b]: [i32; 2]| {
+        let along = |label: &[i32; 2]| a * label[0] + b * label[1];
+        labels(view).max_by_key(along)
+    });
+    let ends = ends.into_iter().flatten();
+    ends.map(|[i, j]| Vector3::new(f64::from(i), f64::from(j), 0.0) * square_mm)
+        .collect()
 }

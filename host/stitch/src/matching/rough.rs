@@ -5,6 +5,7 @@ use tectum_calibrate::BoardPose;
 use super::decide::{Chosen, MIN_SHOTS, by_rig};
 use super::readings::Pairing;
 use super::{Cue, Refusal, Relative, Slack};
+use crate::epipolar::rotation_between;
 use crate::relative::{self, Prior};
 
 /// Sights of a board that agrees differ from one relative pose by at most this many times what they differ
@@ -51,7 +52,7 @@ impl Candidate {
     }
 }
 
-/// A reading for each pairing, or why there is none.
+/// A reading for each pairing, or why no reading is taken.
 pub fn by_shots(pairings: &[&Pairing], relative: &Relative, slack: Slack) -> Vec<Chosen> {
     let rig = relative.left_from_right();
     let prior = Prior::within(rig, slack.turn_rad, slack.shift_mm);
@@ -153,7 +154,7 @@ fn candidates(pairings: &[&Pairing], prior: &Prior) -> Vec<Candidate> {
                 let offsets = other.offsets_rad(&pose.inverse());
                 offsets.into_iter().any(|off| off < NEAR_RAD)
             });
-            let turn = relative::turn_between(&pose.rotation, &prior.pose.rotation);
+            let turn = rotation_between(&pose.rotation, &prior.pose.rotation);
             starts.push(Start {
                 pairing,
                 reading,
@@ -242,7 +243,7 @@ fn fitted(pairings: &[&Pairing], start: &Start, prior: &Prior) -> Option<Candida
         }
     }
     Some(Candidate {
-        turn_rad: relative::turn_between(&pose.rotation, &prior.pose.rotation),
+        turn_rad: rotation_between(&pose.rotation, &prior.pose.rotation),
         shift_mm: (pose.position_mm - prior.pose.position_mm).norm(),
         rms_rad,
         readings,

@@ -32,7 +32,7 @@ pub struct Corrected {
 impl Alignment {
     /// The scale of its own that the boards give, turn and bend. `None` if nothing can be solved.
     pub fn own_scale(&self) -> Option<OwnScale> {
-        OwnScale::fit(&self.corners, &self.turn)
+        OwnScale::fit(&self.corners, &self.turned.turn)
     }
 }
 
@@ -47,7 +47,7 @@ pub fn corrected(
     correction: &Correction,
     seam_px: [u16; 2],
 ) -> Result<Corrected, RigError> {
-    let turn = &found.turn;
+    let turn = &found.turned.turn;
     let pose = |eye: &Option<tectum_optics::RigEye>| {
         let still = Pose {
             rotation: Rotation3::identity(),
@@ -55,7 +55,7 @@ pub fn corrected(
         };
         eye.as_ref().map_or(still, |eye| Pose {
             rotation: turn * eye.pose.rotation,
-            position_m: match found.about {
+            position_m: match found.turned.about {
                 TurnAbout::Body => turn * eye.pose.position_m,
                 TurnAbout::Eyes => eye.pose.position_m,
             },

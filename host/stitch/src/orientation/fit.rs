@@ -6,8 +6,8 @@ use tectum_optics::{OutputMap, Rig, Side, direction_at, rotation_vector, vector_
 
 use super::labels::{Labelled, label};
 use super::{OrientationError, Placement, Shot};
+use crate::epipolar::rotation_between;
 use crate::registration::rotations::nearest_rotation;
-use crate::relative::turn_between;
 
 /// A corner of a board.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,10 +79,9 @@ pub struct Alignment {
     pub corners: Vec<CornerSeen>,
     /// Boards by picture.
     pub boards: Vec<BoardSeen>,
-    /// The turn of both eyes that brings the corners nearest to where they should be.
-    pub turn: Rotation3<f64>,
-    /// What it turns: the body, unless turning each eye in its place leaves clearly less.
-    pub about: TurnAbout,
+    /// The turn of both eyes that brings the corners nearest to where they should be: of the body,
+    /// unless turning each eye in its place leaves clearly less.
+    pub turned: Turned,
     /// The other kind of turn, and what that leaves.
     pub other: Turned,
     /// Standard error of the turn about x, y and z, rad, as the corners' scatter implies it; what the
@@ -90,8 +89,6 @@ pub struct Alignment {
     pub turn_sigma_rad: Vector3<f64>,
     /// RMS of the corners' angles off, rad.
     pub rms_rad: f64,
-    /// The same after the turn.
-    pub turned_rms_rad: f64,
 }
 
 /// A turn of each eye in its place is believed if it leaves less than this share of what the other does.
@@ -103,25 +100,16 @@ impl Alignment {
     /// Whether the two kinds of turn differ by more than their standard error, and neither leaves clearly
     /// less: somebody who knows what was moved must choose.
     pub fn is_undecided(&self) -> bool {
-        let apart_rad = turn_between(&self.turn, &self.other.turn);
-        let [less, more] = match self.turned_rms_rad < self.other.rms_rad {
-            true => [self.turned_rms_rad, self.other.rms_rad],
-            false => [self.other.rms_rad, self.turned_rms_rad],
-        };
-        apart_rad > APART_SIGMA * self.turn_sigma_rad.norm() && less > CLEARLY * more
+        let apart_rad = rotation_between(&self.turned.turn, &self.other.turn);
+        let [one, other] = [self.turned.rms_rad, self.other.rms_rad];
+        apart_rad > APART_SIGMA * self.turn_sigma_rad.norm()
+            && one.min(other) > CLEARLY * one.max(other)
     }
 
     /// The same corners with the turn taken as asked for.
     pub fn with_turn(mut self, about: TurnAbout) -> Self {
-        if about != self.about {
-            let was = Turned {
-                about: self.about,
-                turn: self.turn,
-                rms_rad: self.turned_rms_rad,
-            };
-            (self.about, self.turn) = (self.other.about, self.other.turn);
-            self.turned_rms_rad = self.other.rms_rad;
-            self.other = was;
+        if about != self.turned.about {
+            std::mem::swap(&mut self.turned, &mut self.other);
         }
         self
     }
@@ -185,7 +173,7 @@ pub fn align(
         let Some(own) = turned(&own, best.about) else {
             return Err(OrientationError::NoShots);
         };
-        let off_rad = turn_between(&best.turn, &own.turn);
+        let off_rad = rotation_between(&best.turn, &own.turn);
         if off_rad > limit_rad {
             return Err(OrientationError::Contradicts {
                 shot: shot.name.clone(),
@@ -205,10 +193,8 @@ pub fn align(
         boards: boards.collect(),
         turn_sigma_rad: sigma(&sights, &after),
         rms_rad: rms(&residuals(&sights, TurnAbout::Body, &still)),
-        turned_rms_rad: best.rms_rad,
         corners: sights.iter().map(|sight| sight.seen(&still)).collect(),
-        turn: best.turn,
-        about: best.about,
+        turned: best,
         other,
     })
 }

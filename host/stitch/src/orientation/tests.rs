@@ -6,7 +6,7 @@ use tectum_optics::design::OrientationBoard;
 use tectum_optics::{OutputMap, Pose, Projection, Rig, Side, rotation_vector, vector_of_rotation};
 
 use super::*;
-use crate::relative::turn_between;
+use crate::epipolar::rotation_between;
 
 const RIG: &str = "name = \"fish\"\nmedium = \"water\"\nstitch_distance_m = 2.0\n\
     [mount]\npsi_deg = 25.7\ntau_deg = 29.15\nlateral_mm = 30.0\n\
@@ -117,9 +117,9 @@ fn a_turned_head_is_found_and_put_right() {
     // The stitched picture is exact for one range only, so the turn of nearer points is not a turn of
     // their directions to the last digit.
     // Not nalgebra's `angle_to`: the arc cosine of a trace that rounding puts above 3 is no number.
-    let off_rad = vector_of_rotation(&(turn.inverse() * found.turn)).norm();
+    let off_rad = vector_of_rotation(&(turn.inverse() * found.turned.turn)).norm();
     assert!(off_rad < 1e-4, "{off_rad}");
-    assert!(found.turned_rms_rad < 2e-4, "{}", found.turned_rms_rad);
+    assert!(found.turned.rms_rad < 2e-4, "{}", found.turned.rms_rad);
     let put_right = corrected(&rig(), &found, &Correction::Turn, [256, 128]).unwrap();
     for (eye, was) in [
         (&put_right.rig.left, &rig().left),
@@ -144,22 +144,22 @@ fn eyes_turned_in_their_places_are_told_from_a_turned_body() {
         for about in [TurnAbout::Body, TurnAbout::Eyes] {
             let shots = [Side::Left, Side::Right].map(|side| shot_of(side, &turn, about, false));
             let found = aligned(&shots).unwrap();
-            let off_deg = turn_between(&turn, &found.turn).to_degrees();
+            let off_deg = rotation_between(&turn, &found.turned.turn).to_degrees();
             println!(
                 "{turn_deg:?} {about:?}: {:?}, {off_deg:.5} degrees off",
-                found.about
+                found.turned.about
             );
             assert!(off_deg < 0.02, "{turn_deg:?} {about:?}: {off_deg}");
             assert!(!found.is_undecided());
             let eye_m = rig().left.unwrap().pose.position_m;
             if (turn * eye_m - eye_m).norm() < 1e-9 {
                 // Eyes on the axis of the turn stay where they are: both kinds are the same.
-                assert!(turn_between(&found.turn, &found.other.turn) < 1e-9);
+                assert!(rotation_between(&found.turned.turn, &found.other.turn) < 1e-9);
                 continue;
             }
-            assert_eq!(found.about, about, "{turn_deg:?}");
+            assert_eq!(found.turned.about, about, "{turn_deg:?}");
             // The turn of the other kind would have been wrong by more than its standard error.
-            let other_deg = turn_between(&turn, &found.other.turn).to_degrees();
+            let other_deg = rotation_between(&turn, &found.other.turn).to_degrees();
             assert!(other_deg > 0.05, "{other_deg}");
             let put_right = corrected(&rig(), &found, &Correction::Turn, [64, 32]).unwrap();
             let was = rig().left.unwrap().pose.position_m;
@@ -213,11 +213,11 @@ fn a_nominal_lens_gets_a_scale_of_its_own() {
         }
     }
     let found = aligned(&shots).unwrap();
-    assert!(found.turned_rms_rad > 3e-3, "{}", found.turned_rms_rad);
+    assert!(found.turned.rms_rad > 3e-3, "{}", found.turned.rms_rad);
     let scale = found.own_scale().unwrap();
     // A tenth of what the turn leaves, at corners that were left out.
     assert!(
-        scale.left_out_rms_rad < found.turned_rms_rad / 10.0,
+        scale.left_out_rms_rad < found.turned.rms_rad / 10.0,
         "{scale:?}"
     );
     for corner in &found.corners {
@@ -227,13 +227,13 @@ fn a_nominal_lens_gets_a_scale_of_its_own() {
     }
     // Far from the boards, straight behind, only the turn is left.
     let far = Vector3::new(-1.0, 0.0, 0.0);
-    assert!((scale.shown(&far) - found.turn.inverse() * far).norm() < 1e-12);
+    assert!((scale.shown(&far) - found.turned.turn.inverse() * far).norm() < 1e-12);
     let put_right = corrected(&rig(), &found, &Correction::Scale(scale.clone()), [64, 32]);
     let warp = put_right.unwrap().warp.unwrap().map().unwrap();
     for corner in &found.corners {
         let eye = usize::from(corner.side == Side::Right);
         let bent = warp.bent(eye, &corner.expected);
-        let wanted = found.turn * scale.shown(&corner.expected);
+        let wanted = found.turned.turn * scale.shown(&corner.expected);
         // The raster's spline smooths a bend of a degree by 0.01 degrees.
         let off = tectum_optics::convention::angle_between(&bent, &wanted);
         assert!(off < 2e-4, "{off}");

@@ -4,6 +4,7 @@ use super::consensus::Sample;
 use super::tie::{Mount, Range, Rays, Tie};
 use super::{Options, RegistrationError};
 use crate::Eyes;
+use crate::fault::Fault;
 
 /// Share of the ties that must fit once the fault is undone.
 const FITS: f64 = 0.5;
@@ -16,7 +17,7 @@ pub fn fault(
     sample: &Sample<'_>,
     options: &Options,
 ) -> Option<RegistrationError> {
-    let explains = |swapped: bool, mirrored: Eyes<bool>| {
+    let fault = Fault::find(|swapped, mirrored| {
         let repaired = ties
             .iter()
             .map(|tie| repaired(mount, tie, swapped, &mirrored));
@@ -32,17 +33,14 @@ pub fn fault(
                 consensus.count() as f64 >= FITS * ties.len() as f64
                     && consensus.turn_rad(&sample.rotations) <= options.most_turn_rad
             })
-    };
-    match [explains(true, [false; 2]), explains(false, [true; 2])] {
-        [true, true] => return Some(RegistrationError::SwappedOrMirrored),
-        [true, false] => return Some(RegistrationError::Swapped),
-        [false, true] => return Some(RegistrationError::Mirrored("left and right")),
-        [false, false] => {}
-    }
-    let one = [("left", [true, false]), ("right", [false, true])];
-    one.into_iter()
-        .find(|(_, mirrored)| explains(false, *mirrored))
-        .map(|(eye, _)| RegistrationError::Mirrored(eye))
+    });
+    Some(match fault? {
+        Fault::Swapped => RegistrationError::Swapped,
+        Fault::SwappedOrMirrored => RegistrationError::SwappedOrMirrored,
+        Fault::Mirrored([true, true]) => RegistrationError::Mirrored("left and right"),
+        Fault::Mirrored([true, false]) => RegistrationError::Mirrored("left"),
+        Fault::Mirrored([false, _]) => RegistrationError::Mirrored("right"),
+    })
 }
 
 fn repaired(mount: &Mount<'_>, tie: &Tie, swapped: bool, mirrored: &Eyes<bool>) -> Tie {

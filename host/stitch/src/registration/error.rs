@@ -1,5 +1,7 @@
 //! Why there is no registration.
 
+use crate::fault;
+
 /// Why two eyes are not registered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RegistrationError {
@@ -47,17 +49,11 @@ pub enum RegistrationError {
         pairs: usize,
     },
     /// The pictures of the eyes are swapped.
-    #[error(
-        "the eyes are swapped: the left pictures fit the right eye, and the right ones the left; give \
-         them the other way round"
-    )]
+    #[error("{}", fault::SWAPPED)]
     Swapped,
     /// The pictures of the eyes are swapped, or all of them are mirrored: before a symmetric rig that
     /// is the same.
-    #[error(
-        "the eyes are swapped (the left pictures fit the right eye, the right ones the left), or all \
-         pictures are mirrored; this rig's eyes are alike, so that points cannot tell which"
-    )]
+    #[error("{}", fault::swapped_or_mirrored("points"))]
     SwappedOrMirrored,
     /// Pictures are mirrored: "left", "right" or "left and right".
     #[error("the {0} pictures are mirrored: turn off mirroring in the camera or the tool")]

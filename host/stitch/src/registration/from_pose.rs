@@ -1,11 +1,11 @@
 //! A rig whose eyes stand as natural features say.
 
-use nalgebra::{Rotation3, Vector3};
-use tectum_optics::{Pose, Rig, RigEye, rotation_vector, vector_of_rotation};
+use nalgebra::Vector3;
+use tectum_optics::{Pose, Rig, RigEye};
 
 use super::measure::angle_rad;
 use super::tie::{Look, Mount, Tie, both};
-use super::{Options, Registration, RegistrationError};
+use super::{Options, Registration, RegistrationError, rotations};
 use crate::Eyes;
 use crate::epipolar::{Baseline, Markerless};
 
@@ -60,12 +60,7 @@ fn halves(
     options: &Options,
 ) -> (Eyes<Pose>, Vector3<f64>) {
     let [left, right] = eyes.map(|eye| &eye.pose);
-    let turn =
-        vector_of_rotation(&(left.rotation * found.pose.rotation * right.rotation.inverse()));
-    let rotations: Eyes<Rotation3<f64>> = [
-        rotation_vector(&(turn / -2.0)) * left.rotation,
-        rotation_vector(&(turn / 2.0)) * right.rotation,
-    ];
+    let (rotations, turn) = rotations::halves(&eyes, &found.pose.rotation);
     let middle = (left.position_m + right.position_m) / 2.0;
     let mut half = (right.position_m - left.position_m) / 2.0;
     if let Baseline::Towards(b) = found.pose.baseline

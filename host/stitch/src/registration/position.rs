@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 use tectum_calibrate::BoardPose;
-use tectum_optics::{Pose, Rig, RigEye, rotation_vector, vector_of_rotation};
+use tectum_optics::{Pose, Rig, RigEye};
 
-use super::Options;
 use super::tie::{Range, Tie, both};
+use super::{Options, rotations};
 use crate::Eyes;
-use crate::matching::{Sight, Slack, board_pose};
+use crate::matching::{Relative, Sight, board_pose};
 use crate::relative::{self, BoardSights, Prior, RelativeFit};
 
 /// Squared distance, in standard errors, of a position from the rig's that chance does not explain:
@@ -49,13 +49,10 @@ pub fn by_boards(
     options: &Options,
 ) -> Option<Moved> {
     let [left, right] = eyes.map(|eye| &eye.pose);
-    let back = left.rotation.inverse();
-    let held = BoardPose {
-        rotation: back * right.rotation,
-        position_mm: back * (right.position_m - left.position_m) * 1000.0,
-    };
+    let relative = Relative::roughly(rig)?;
+    let held = relative.left_from_right();
+    let most_shift_mm = relative.slack?.shift_mm;
     let (boards, implied) = boards(eyes, ties);
-    let most_shift_mm = Slack::of(held.position_mm.norm()).shift_mm;
     let prior = Prior::within(held, options.most_turn_rad, most_shift_mm);
     let starts: Vec<BoardPose> = std::iter::once(held).chain(implied).collect();
     let near_rig = relative::fit(&boards, &starts, Some(&prior))?;
@@ -63,10 +60,7 @@ pub fn by_boards(
     let alone = relative::fit(&boards, &[near_rig.pose], None);
     let alone = alone.filter(|alone| alone.turn_sigma_rad() < SURE_RAD);
     let found = alone.unwrap_or(near_rig);
-    let turn =
-        vector_of_rotation(&(left.rotation * found.pose.rotation * right.rotation.inverse()));
-    let rotations = [(left, -0.5), (right, 0.5)]
-        .map(|(pose, half)| rotation_vector(&(turn * half)) * pose.rotation);
+    let (rotations, turn) = rotations::halves(eyes, &found.pose.rotation);
     // Where the left camera, turned by its half, has the right eye if neither eye was moved.
     let unmoved_mm = rotations[0].inverse() * (right.position_m - left.position_m) * 1000.0;
     // Both eyes may have turned alike besides: that moves the baseline's end across it.

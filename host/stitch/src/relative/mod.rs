@@ -11,7 +11,7 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-use nalgebra::{Matrix3, Rotation3, SMatrix};
+use nalgebra::{Matrix3, SMatrix};
 use tectum_calibrate::BoardPose;
 
 use crate::Eyes;
@@ -103,9 +103,4 @@ pub fn fit(
 pub fn fit_boards(boards: &[BoardSights], pose: BoardPose) -> Option<RelativeFit> {
     let best = solve::solve(boards, pose, None, false)?;
     solve::finish(boards, best, None, false)
-}
-
-/// Angle between two relative rotations, rad.
-pub fn turn_between(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
-    tectum_optics::vector_of_rotation(&(a * b.inverse())).norm()
 }

@@ -31,15 +31,21 @@ struct Row {
     by_board: SMatrix<f64, 3, 6>,
 }
 
+/// A point of the left camera's frame in an eye's own, with the right camera at `pose`.
+fn in_eye(eye: usize, in_left: Vector3<f64>, pose: &BoardPose) -> Vector3<f64> {
+    match eye {
+        0 => in_left,
+        _ => pose.rotation.inverse() * (in_left - pose.position_mm),
+    }
+}
+
 fn row(eye: usize, sight: &Sight, pose: &BoardPose, board: &BoardPose) -> Row {
     let arm = board.rotation * sight.point_mm;
     let in_left = arm + board.position_mm;
-    let (point, back) = match eye {
-        0 => (in_left, Matrix3::identity()),
-        _ => {
-            let back = pose.rotation.inverse();
-            (back * (in_left - pose.position_mm), *back.matrix())
-        }
+    let point = in_eye(eye, in_left, pose);
+    let back = match eye {
+        0 => Matrix3::identity(),
+        _ => *pose.rotation.inverse().matrix(),
     };
     let range = point.norm().max(1e-9);
     let direction = point / range;
@@ -101,13 +107,7 @@ fn expected(pose: &BoardPose, prior: &Prior) -> (Vector6<f64>, Matrix6<f64>) {
 fn cost(boards: &[BoardSights], state: &State, prior: Option<&Prior>) -> f64 {
     let each = boards.iter().zip(&state.boards).flat_map(|(board, pose)| {
         sights(board).map(|(eye, sight)| {
-            let point = match eye {
-                0 => pose.apply(&sight.point_mm),
-                _ => {
-                    let from_right = pose.apply(&sight.point_mm) - state.pose.position_mm;
-                    state.pose.rotation.inverse() * from_right
-                }
-            };
+            let point = in_eye(eye, pose.apply(&sight.point_mm), &state.pose);
             smooth((point.normalize() - sight.ray).norm_squared()).0
         })
     });

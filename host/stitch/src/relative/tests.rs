@@ -5,8 +5,8 @@ use tectum_calibrate::BoardPose;
 use tectum_calibrate::target::Target;
 use tectum_optics::{Pose, Rig, rotation_vector};
 
-use super::turn_between;
 use crate::Eyes;
+use crate::epipolar::rotation_between;
 use crate::matching::synthetic::{Labelling, Noise, eyes, pose, rig, sighting, target};
 use crate::matching::{Outcome, Refusal, Relative, Sighting, match_boards};
 use crate::registration::{Options, RegistrationError, Tie, register};
@@ -92,7 +92,7 @@ fn registered(assumed: &Rig, truth: &Rig, shots: &[Eyes<Sighting>]) -> Result<[f
     }
     let found = register(assumed, &Tie::of_boards(&outcomes), &Options::default());
     let found = found.map_err(|error: RegistrationError| error.to_string())?;
-    let off = turn_between(&left_from_right(&found.rig), &left_from_right(truth));
+    let off = rotation_between(&left_from_right(&found.rig), &left_from_right(truth));
     Ok([off.to_degrees(), found.turn_standard_error_deg])
 }
 
@@ -143,6 +143,12 @@ fn is_refused(assumed: &Rig, shots: &[Eyes<Sighting>], right: fn(&Refusal) -> bo
     outcomes.iter().all(refused)
 }
 
+/// What settled each board, or why it was refused.
+fn cues(outcomes: &[Outcome]) -> String {
+    let each = outcomes.iter().map(|o| o.result.as_ref().map(|m| m.cue));
+    format!("{:?}", each.collect::<Vec<_>>())
+}
+
 /// Mounts off by up to 15 degrees and half the baseline, three pairs: prints what comes of each.
 fn campaign(seeds: impl IntoIterator<Item = u64>) -> (Vec<f64>, usize) {
     let truth = rig();
@@ -168,14 +174,7 @@ fn campaign(seeds: impl IntoIterator<Item = u64>) -> (Vec<f64>, usize) {
             let is_right = is_refused(&assumed, &done(&taken), right);
             if !is_right {
                 wrong += 1;
-                let results = matched(&assumed, &done(&taken));
-                line += &format!(
-                    ", {name} WRONG {:?}",
-                    results
-                        .iter()
-                        .map(|o| o.result.as_ref().map(|m| m.cue))
-                        .collect::<Vec<_>>()
-                );
+                line += &format!(", {name} WRONG {}", cues(&matched(&assumed, &done(&taken))));
             }
         }
         // Another rig: its eyes turned by 25 degrees and more.
@@ -184,14 +183,7 @@ fn campaign(seeds: impl IntoIterator<Item = u64>) -> (Vec<f64>, usize) {
             matches!(refusal, Refusal::OtherRig { .. })
         }) {
             wrong += 1;
-            let results = matched(&other, &taken);
-            line += &format!(
-                ", other rig WRONG {:?}",
-                results
-                    .iter()
-                    .map(|o| o.result.as_ref().map(|m| m.cue))
-                    .collect::<Vec<_>>()
-            );
+            line += &format!(", other rig WRONG {}", cues(&matched(&other, &taken)));
         }
         println!("{line}");
     }

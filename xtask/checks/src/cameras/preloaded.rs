@@ -107,6 +107,20 @@ impl Bench<'_> {
         command
     }
 
+    /// As many grey frames for each eye.
+    fn script_grey(&self, frames: usize) -> anyhow::Result<()> {
+        let [width, height] = SIZE_PX;
+        for (eye, name) in ["left", "right"].into_iter().enumerate() {
+            let frame = |n| Scripted {
+                sequence: n,
+                time_us: n * PERIOD_US + eye * RIGHT_LATER_US,
+                bytes: vec![90; width * height],
+            };
+            self.script(name, &(0..frames).map(frame).collect::<Vec<_>>())?;
+        }
+        Ok(())
+    }
+
     /// The report of what must succeed.
     fn report(
         &self,
@@ -385,15 +399,7 @@ fn padding(bench: &Bench<'_>) -> anyhow::Result<()> {
 
 /// What is set on both cameras, in which order; what they made of it is said and recorded.
 fn exposure(bench: &Bench<'_>) -> anyhow::Result<()> {
-    let [width, height] = SIZE_PX;
-    for (eye, name) in ["left", "right"].into_iter().enumerate() {
-        let frame = |n| Scripted {
-            sequence: n,
-            time_us: n * PERIOD_US + eye * RIGHT_LATER_US,
-            bytes: vec![90; width * height],
-        };
-        bench.script(name, &(0..FRAMES).map(frame).collect::<Vec<_>>())?;
-    }
+    bench.script_grey(FRAMES)?;
     // Asked for; and with the automatic's own time locked, which is the left camera's.
     for (asked, time, said) in [
         (
@@ -445,15 +451,7 @@ fn exposure(bench: &Bench<'_>) -> anyhow::Result<()> {
 
 /// What the page sets is in the description of what is recorded from then on.
 fn page(bench: &Bench<'_>) -> anyhow::Result<()> {
-    let [width, height] = SIZE_PX;
-    for (eye, name) in ["left", "right"].into_iter().enumerate() {
-        let frame = |n| Scripted {
-            sequence: n,
-            time_us: n * PERIOD_US + eye * RIGHT_LATER_US,
-            bytes: vec![90; width * height],
-        };
-        bench.script(name, &(0..8 * FRAMES).map(frame).collect::<Vec<_>>())?;
-    }
+    bench.script_grey(8 * FRAMES)?;
     let arguments = "view --address 127.0.0.1:0 --folder page";
     let mut command = bench.command("GREY", &[("CONTROLS", "controls.txt")], arguments);
     let mut view = command

@@ -21,9 +21,9 @@ pub fn report(done: &Done, written: &[PathBuf]) -> Report {
         .map(|corner| corner.off_rad().to_degrees())
         .collect();
     let worst_deg = off_deg.iter().copied().fold(0.0, f64::max);
-    let [roll, pitch, yaw] = degrees(&found.turn);
+    let [roll, pitch, yaw] = degrees(&found.turned.turn);
     let [roll_sigma, pitch_sigma, yaw_sigma] = found.turn_sigma_rad.map(f64::to_degrees).into();
-    let [rms_deg, turned_deg] = [found.rms_rad, found.turned_rms_rad].map(f64::to_degrees);
+    let [rms_deg, turned_deg] = [found.rms_rad, found.turned.rms_rad].map(f64::to_degrees);
     let left_out_deg = done.scale.map(|scale| scale.left_out_rms_rad.to_degrees());
     let rms_px = rms_px(done);
 
@@ -41,7 +41,7 @@ pub fn report(done: &Done, written: &[PathBuf]) -> Report {
         text,
         "turned     {}; {}: yaw {other_yaw:+.3}, pitch {other_pitch:+.3}, roll {other_roll:+.3} deg, \
          leaves {:.3} deg RMS",
-        what(found.about),
+        what(found.turned.about),
         what(found.other.about),
         found.other.rms_rad.to_degrees()
     );
@@ -72,7 +72,7 @@ pub fn report(done: &Done, written: &[PathBuf]) -> Report {
         "rms_deg": rms_deg,
         "worst_deg": worst_deg,
         "turn_deg": { "yaw": yaw, "pitch": pitch, "roll": roll },
-        "turned": found.about,
+        "turned": found.turned.about,
         "undecided": found.is_undecided(),
         "other_turn": {
             "turned": found.other.about,

@@ -3,7 +3,7 @@
 use tectum_optics::Rig;
 use tectum_stitch::Correspondence;
 use tectum_stitch::epipolar::{
-    Consistency, RansacOptions, RayCheck, RayPair, RelativePose, ransac,
+    Consistency, RansacOptions, RayCheck, RayPair, RelativePose, ransac, rotation_between,
 };
 use tectum_stitch::features::{Overlap, PositionPair, Tile, View, homography_inliers};
 use tectum_stitch::registration::{Tie, relative_of_boards};
@@ -55,8 +55,7 @@ impl Row {
             homography_share: share(homography(view, &matches, overlap)),
             ray_share: share(search.as_ref().map_or(0, |found| kept(&found.inliers))),
             rotation_off_rad: search.map(|found| {
-                let turn = found.pose.rotation * RelativePose::of(eyes).rotation.inverse();
-                tectum_optics::vector_of_rotation(&turn).norm()
+                rotation_between(&found.pose.rotation, &RelativePose::of(eyes).rotation)
             }),
             rotation_sigma_rad: None,
             name,
@@ -71,10 +70,9 @@ impl Row {
     pub fn with_boards(mut self, rig: &Rig, ties: &[Tie], overlap: &Overlap) -> Self {
         let found = relative_of_boards(rig, ties);
         let truth = RelativePose::of(&overlap.eyes).rotation;
-        self.rotation_off_rad = found.as_ref().map(|found| {
-            let turn = found.pose.rotation * truth.inverse();
-            tectum_optics::vector_of_rotation(&turn).norm()
-        });
+        self.rotation_off_rad = found
+            .as_ref()
+            .map(|found| rotation_between(&found.pose.rotation, &truth));
         self.rotation_sigma_rad = found.map(|found| found.turn_sigma_rad());
         self
     }
