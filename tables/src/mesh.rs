@@ -131,7 +131,7 @@ impl<'a> Mesh<'a> {
             })
     }
 
-    fn step_log2(&self) -> u32 {
+    pub(crate) fn step_log2(&self) -> u32 {
         u32::from(self.header.step_log2)
     }
 
@@ -154,7 +154,8 @@ impl<'a> Mesh<'a> {
             origin: self.origin_px().map(i32::from),
             ring: [[0; 2]; 3],
             k: start & mask as u32,
-            left: len,
+            // No mesh is longer, and the cell's end may be added to it.
+            left: len.min(u32::from(u16::MAX)),
         };
         for i in 0..3 {
             let value = segments.next_column()?;

@@ -14,6 +14,10 @@ use crate::layout::{OverlayBand, OverlayHeader, OverlayLine, Placement};
 pub const BAND_ROWS: u16 = 16;
 /// Subdivisions of a pixel in the positions of lines.
 pub const LINE_UNITS: i32 = 8;
+/// Most lines, and most glyphs, of a band. Scales that can be read stay below.
+pub const MAX_BAND_RECORDS: usize = 1024;
+/// Most output widths that the lines of a band cover together from side to side.
+pub const MAX_BAND_REACH: u32 = 16;
 
 /// Thickest line, px.
 const MAX_LINE_PX: u8 = 4;
@@ -52,7 +56,9 @@ impl<'a> Overlay<'a> {
             && overlay.bands.iter().all(|band| {
                 band.last_line() <= overlay.lines.len()
                     && band.last_placement() <= overlay.placements.len()
-            });
+            })
+            && (0..overlay.bands.len() as u16)
+                .all(|band| is_bounded(overlay.lines(band), overlay.placements(band), size_px[0]));
         if sound {
             Ok(overlay)
         } else {
@@ -151,6 +157,20 @@ impl<'a> Overlay<'a> {
     }
 }
 
+/// Whether a band's records keep to [`MAX_BAND_RECORDS`] and [`MAX_BAND_REACH`], which bound the work
+/// for each of its rows.
+pub fn is_bounded(lines: &[OverlayLine], placements: &[Placement], width_px: u16) -> bool {
+    let reach_units = || {
+        let reaches = lines.iter().map(|line| {
+            let [x0, x1] = line.x_units();
+            x0.abs_diff(x1)
+        });
+        reaches.sum::<u32>()
+    };
+    lines.len().max(placements.len()) <= MAX_BAND_RECORDS
+        && reach_units() / LINE_UNITS as u32 <= MAX_BAND_REACH * u32::from(width_px)
+}
+
 impl OverlayLine {
     fn is_sound(&self) -> bool {
         let [y0, y1] = self.y_units();
@@ -209,6 +229,29 @@ mod tests {
         let column = [-1, 0, 1, 2, 3].map(|row| overlay.glyph_row(0, row));
         assert_eq!(column, [0, 0b01, 0b10, 0b11, 0]);
         assert_eq!(overlay.glyph_row(1, 0), 0);
+    }
+
+    #[test]
+    fn a_band_of_more_work_than_scales_need_is_refused() {
+        let with = |lines: Vec<OverlayLine>, placements| {
+            let mut data = data();
+            data.bands[0] = (lines, placements);
+            Overlay::parse(&data.to_bytes().unwrap(), SIZE).map(|_| ())
+        };
+        let refused = Err(TableError::Field { tag: Tag::OVERLAY });
+        let upright = OverlayLine::new([80, 80], [0, 128]);
+        let glyph = Placement::new(4, 2, 0);
+        assert_eq!(with(vec![upright; 1024], vec![glyph; 1024]), Ok(()));
+        assert_eq!(with(vec![upright; 1025], Vec::new()), refused);
+        assert_eq!(with(Vec::new(), vec![glyph; 1025]), refused);
+        // 16 widths of 20 px: 16 lines across, or fewer that reach beyond the border.
+        let across = OverlayLine::new([160, 0], [3, 3]);
+        assert_eq!(with(vec![across; 16], Vec::new()), Ok(()));
+        assert_eq!(with(vec![across; 17], Vec::new()), refused);
+        assert_eq!(
+            with(vec![OverlayLine::new([0, 2568], [3, 3])], Vec::new()),
+            refused
+        );
     }
 
     #[test]

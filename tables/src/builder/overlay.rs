@@ -7,6 +7,7 @@ use zerocopy::IntoBytes;
 use zerocopy::little_endian::U16;
 
 use crate::layout::{OverlayBand, OverlayHeader, OverlayLine, Placement};
+use crate::overlay::{BAND_ROWS, MAX_BAND_REACH, MAX_BAND_RECORDS};
 
 /// Lines and glyphs of a band of the overlay.
 pub type BandData = (Vec<OverlayLine>, Vec<Placement>);
@@ -28,13 +29,17 @@ pub struct OverlayData {
     pub bands: Vec<BandData>,
 }
 
-/// More lines or glyphs than an overlay's 16-bit index can reach.
+/// More lines or glyphs than an overlay's 16-bit index can reach, or than its format allows a band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OverlayTooLong;
 
 impl core::fmt::Display for OverlayTooLong {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "an overlay holds 65,535 pieces of lines at most")
+        write!(
+            f,
+            "an overlay holds 65,535 pieces of lines at most, and in each {BAND_ROWS} rows \
+             {MAX_BAND_RECORDS} that reach over {MAX_BAND_REACH} widths of the picture together"
+        )
     }
 }
 

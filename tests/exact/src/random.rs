@@ -75,7 +75,9 @@ fn overlay(rng: &mut ChaCha8Rng, [width, height]: [u16; 2]) -> Vec<u8> {
             y.sort_unstable();
             // Steep, short, long and beyond the right border.
             let start = rng.random_range(0..=width * LINE_UNITS as u16);
-            let end = start.saturating_add_signed(rng.random_range(-300..300));
+            // Four of them reach over 16 widths at most, as the format asks.
+            let most = 300.min(32 * width as i16);
+            let end = start.saturating_add_signed(rng.random_range(-most..most));
             OverlayLine::new([start, end], y)
         });
         let lines = lines.collect();

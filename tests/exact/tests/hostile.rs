@@ -4,8 +4,8 @@
 use rand::RngExt;
 use tectum_core::{Eye, TableError, Tables};
 use tectum_exact::{cases, parse_and_run, rng, table};
-use tectum_tables::Tag;
-use tectum_tables::builder::{MeshData, TableBuilder, seal, with_section};
+use tectum_tables::builder::{MeshData, RunData, TableBuilder, seal, with_section};
+use tectum_tables::{Mesh, Tag};
 
 /// With one curve at most, for any byte of any curve is as good as another.
 fn small_table(seed: u64) -> TableBuilder {
@@ -80,7 +80,7 @@ fn a_position_over_any_edge_is_refused() {
     let constant = |position_q8: [i16; 2]| {
         let mut builder = small_table(3);
         let [w, h] = builder.output_size_px;
-        builder.rows = vec![vec![tectum_tables::builder::RunData::Left(w)]; usize::from(h)];
+        builder.rows = vec![vec![RunData::Left(w)]; usize::from(h)];
         let cells = [w, h].map(|side| side.div_ceil(8));
         let count = cells.iter().map(|n| usize::from(*n) + 3).product();
         builder.mesh[0] = Some(MeshData {
@@ -109,6 +109,111 @@ fn a_position_over_any_edge_is_refused() {
             "{outside:?}"
         );
     }
+}
+
+/// The proof walks cells; here each shown pixel is looked at by itself.
+#[test]
+fn a_table_is_accepted_where_every_shown_pixel_lies_inside_and_nowhere_else() {
+    const WIDTH: u16 = 70;
+    let mut verdicts = [0; 2];
+    for seed in 0..cases(4000) {
+        let mut rng = rng(seed);
+        let mut builder = small_table(seed);
+        builder.output_size_px = [WIDTH, 1];
+        builder.overlay = None;
+        builder.meter_pairs = Vec::new();
+        let (mut row, mut column) = (Vec::new(), 0);
+        while column < WIDTH {
+            let most = [1, 3, 12, 40][seed as usize % 4].min(WIDTH - column);
+            let len = rng.random_range(1..=most);
+            row.push(match rng.random_range(0..4) {
+                0 => RunData::Void(len),
+                1 => RunData::Left(len),
+                2 => RunData::Right(len),
+                _ => RunData::Blend(len, [0, 255]),
+            });
+            column += len;
+        }
+        builder.mesh = Eye::BOTH.map(|_| {
+            let step_log2 = rng.random_range(3..=5);
+            let step = 1 << step_log2;
+            // Some meshes begin or end inside the picture, some positions lie outside the frame.
+            let first = u16::from(rng.random_bool(0.05));
+            let cells = [
+                WIDTH.div_ceil(step) - first - u16::from(rng.random_bool(0.05)),
+                1,
+            ];
+            let count = usize::from(cells[0] + 3) * 4;
+            let outside = rng.random_range(-1..=1);
+            Some(MeshData {
+                step_log2,
+                fraction_bits: 8,
+                first_cell: [first, 0],
+                cells,
+                origin_px: [0, 0],
+                source_size_px: [3, 3],
+                vertices: (0..count)
+                    .map(|_| {
+                        [0, 0].map(|_| rng.random_range(60 + 60 * -outside..450 + 60 * outside))
+                    })
+                    .collect(),
+            })
+        });
+        let is_inside = |mesh: &Mesh<'_>, column: u32| {
+            let segment = mesh.segments(0, column, 1).next();
+            segment.is_some_and(|s| {
+                let limits = 0..2 << 8;
+                limits.contains(&s.x.position_q8()) && limits.contains(&s.y.position_q8())
+            })
+        };
+        let sections = builder
+            .mesh
+            .clone()
+            .map(|mesh| mesh.expect("two eyes").to_bytes());
+        let [left, right] = [(&sections[0], Eye::Left), (&sections[1], Eye::Right)]
+            .map(|(bytes, eye)| Mesh::parse(bytes, eye).expect("sound"));
+        let mut column = 0;
+        let mut sound = true;
+        for run in &row {
+            let (len, eyes) = match run {
+                RunData::Void(len) => (*len, vec![]),
+                RunData::Left(len) => (*len, vec![left]),
+                RunData::Right(len) => (*len, vec![right]),
+                RunData::Blend(len, _) => (*len, vec![left, right]),
+            };
+            for x in column..column + u32::from(len) {
+                sound &= eyes.iter().all(|mesh| is_inside(mesh, x));
+            }
+            column += u32::from(len);
+        }
+        builder.rows = vec![row];
+        let bytes = builder.to_bytes().expect("few runs");
+        let verdict = Tables::parse(&bytes).map(|_| ());
+        let refused = matches!(verdict, Err(TableError::SourceBox { row: 0, .. }));
+        assert_eq!(
+            (verdict.is_ok(), refused),
+            (sound, !sound),
+            "seed {seed}: {verdict:?}"
+        );
+        verdicts[usize::from(sound)] += 1;
+    }
+    // Both verdicts are common.
+    assert!(
+        verdicts.iter().all(|count| *count > cases(4000) / 10),
+        "{verdicts:?}"
+    );
+}
+
+#[test]
+fn a_run_of_absurd_length_ends_with_the_mesh() {
+    let mesh = small_table(4).mesh[0].clone().expect("two eyes");
+    let bytes = mesh.to_bytes();
+    let parsed = Mesh::parse(&bytes, Eye::Left).expect("sound");
+    let step = parsed.step();
+    let columns = u32::from(mesh.cells[0]) * step - 3;
+    let pixels: u32 = parsed.segments(0, 3, u32::MAX).map(|s| s.len).sum();
+    assert_eq!(pixels, columns);
+    assert_eq!(parsed.segments(0, u32::MAX, u32::MAX).count(), 0);
 }
 
 #[test]

@@ -13,10 +13,8 @@ pub use svg::scales_svg;
 use serde::Serialize;
 use tectum_core::{Overlay, TableError, Tables};
 use tectum_optics::OutputMap;
-use tectum_tables::BAND_ROWS;
-use tectum_tables::Placement;
-use tectum_tables::Tag;
 use tectum_tables::builder::{BandData, OverlayData, OverlayTooLong, with_section};
+use tectum_tables::{BAND_ROWS, Placement, Tag, is_bounded};
 
 use self::glyphs::Font;
 use self::labels::{Label, Labels, Taken};
@@ -173,6 +171,10 @@ fn section(
     }
     for label in labels {
         add_label(&mut bands, label, font.size_px[1]);
+    }
+    let bounded = |(lines, placements): &BandData| is_bounded(lines, placements, width);
+    if !bands.iter().all(bounded) {
+        return Err(OverlayTooLong);
     }
     // Equal bands are stored once: one order for all.
     for (lines, placements) in &mut bands {
