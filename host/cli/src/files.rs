@@ -89,6 +89,22 @@ pub fn check_outputs(
     Ok(())
 }
 
+/// Makes `folder` and keeps other processes of this program from writing into it as well, for as long
+/// as the file is open: also where this one is killed.
+pub fn lock_folder(folder: &Path) -> anyhow::Result<File> {
+    let cannot = || format!("{}: cannot be written to", folder.display());
+    fs::create_dir_all(folder).with_context(cannot)?;
+    let open = File::open(folder).with_context(cannot)?;
+    match open.try_lock() {
+        // A file system without locks keeps nobody out.
+        Ok(()) | Err(fs::TryLockError::Error(_)) => Ok(open),
+        Err(fs::TryLockError::WouldBlock) => bail!(
+            "{}: another capture is writing into this folder: give another one",
+            folder.display()
+        ),
+    }
+}
+
 /// The rig's file and the files that it names.
 pub fn rig_inputs(path: &Path) -> Vec<PathBuf> {
     let mut files = vec![path.to_owned()];
@@ -266,6 +282,20 @@ mod tests {
         assert_eq!(text(&at("a")), "old a");
         // Nothing temporary stays behind.
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn a_folder_is_written_to_by_one_capture_at_a_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("new");
+        let first = lock_folder(&folder).unwrap();
+        let refused = lock_folder(&folder).unwrap_err();
+        assert!(
+            refused.to_string().contains("another capture"),
+            "{refused:#}"
+        );
+        drop(first);
+        lock_folder(&folder).unwrap();
     }
 
     #[test]

@@ -10,6 +10,7 @@ use tectum_calibrate::BoardSize;
 use tectum_capture::{Operator, VideoKind};
 
 use crate::cameras::{CameraOptions, Feed, Limits, ViewArgs, Watch, open, showing};
+use crate::files;
 use crate::report::{Report, Usage};
 
 /// Both cameras to a calibration session, to stills or to a video
@@ -65,16 +66,17 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         Some(folder) if !args.list => folder,
         _ => return list(),
     };
-    if let Some(board) = args.board {
-        return session::run(args, &mut args.open(false)?, folder, board);
+    if args.board.is_none() && args.record.is_none() && !args.stills {
+        return Err(Usage("needed is --board, --record or --stills".into()).into());
     }
-    if let Some(kind) = args.record {
-        return record::run(args, &mut args.open(true)?, folder, kind);
+    let mut feed = args.open(args.board.is_none())?;
+    // Two captures would both number their files from what is there.
+    let _alone = files::lock_folder(folder)?;
+    match (args.board, args.record) {
+        (Some(board), _) => session::run(args, &mut feed, folder, board),
+        (None, Some(kind)) => record::run(args, &mut feed, folder, kind),
+        (None, None) => stills::run(args, &mut feed, folder),
     }
-    if args.stills {
-        return stills::run(args, &mut args.open(true)?, folder);
-    }
-    Err(Usage("needed is --board, --record or --stills".into()).into())
 }
 
 impl Args {
