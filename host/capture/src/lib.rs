@@ -72,5 +72,5 @@ pub use side_by_side::{half_format, halves};
 pub use source::{Frame, FrameSource, Next};
 pub use stop::Stop;
 pub use utc::utc;
-pub use video::{conversion_advice, open_video};
+pub use video::{conversion_advice, is_y4m, open_video};
 pub use y4m_file::Y4m;

@@ -1,5 +1,7 @@
 //! Recordings, told apart by what they hold.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use crate::ahead::Ahead;
@@ -39,6 +41,14 @@ pub fn open_video(path: &Path) -> Result<Box<dyn FrameSource>, CaptureError> {
     } else {
         boxed(Mjpeg::read_from(input)?, is_pipe)
     })
+}
+
+/// Whether a file is a recording in y4m, whatever its name. A FIFO must not be asked: it would lose
+/// what it told.
+pub fn is_y4m(path: &Path) -> bool {
+    let mut begins = [0; y4m_header::MAGIC.len()];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut begins));
+    read.is_ok() && begins == *y4m_header::MAGIC
 }
 
 fn boxed(video: impl FrameSource + 'static, is_pipe: bool) -> Box<dyn FrameSource> {

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use tectum_calibrate::session::{list, pair_by_name};
 use tectum_capture::{
     CaptureError, FrameSource, Late, Layout, Pairs, Pictures, VideoKind, beside_each_other,
-    conversion_advice, open_video,
+    conversion_advice, is_y4m, open_video,
 };
 
 use super::feed::SideBySide;
@@ -188,9 +188,9 @@ fn one(
     Ok(Opened::File(Box::new(Pictures::open(path)?)))
 }
 
-/// What holds frames one after the other: by its name, or a pipe.
+/// What holds frames one after the other: by its name, a pipe, or a y4m file of whatever name.
 fn is_video(path: &Path) -> bool {
-    VideoKind::of(path).is_some() || pipe(path).is_some()
+    VideoKind::of(path).is_some() || pipe(path).is_some() || is_y4m(path)
 }
 
 /// Whether a name is that of the standard input.

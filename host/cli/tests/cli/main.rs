@@ -16,6 +16,7 @@ mod matching;
 mod motion;
 mod page;
 mod pipes;
+mod readme;
 mod register;
 mod slips;
 mod verbs;

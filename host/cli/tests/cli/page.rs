@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -12,13 +12,13 @@ use crate::chromium::Chromium;
 use crate::common::Bench;
 
 /// `tectum view` while it runs.
-struct Viewing {
+pub struct Viewing {
     process: Child,
     url: String,
 }
 
 impl Viewing {
-    fn start(bench: &Bench, arguments: &str) -> Self {
+    pub fn start(bench: &Bench, arguments: &str) -> Self {
         let mut process = bench
             .command(env!("CARGO_BIN_EXE_tectum"))
             .args(arguments.split_whitespace())
@@ -50,6 +50,21 @@ impl Viewing {
         stream.read_to_string(&mut answer).expect("it answers");
         let (_, body) = answer.split_once("\r\n\r\n").expect("a body");
         serde_json::from_str(body).expect("JSON")
+    }
+
+    /// Pictures shown so far.
+    pub fn frames(&self) -> u32 {
+        let status = self.status();
+        let frames = status["figures"]["frames"].as_str();
+        frames.and_then(|n| n.parse().ok()).unwrap_or(0)
+    }
+
+    /// Ends it as Ctrl-C does.
+    pub fn interrupt(mut self) {
+        let process = self.process.id().to_string();
+        let told = Command::new("kill").args(["-INT", &process]).status();
+        assert!(told.expect("kill runs").success());
+        assert!(self.process.wait().expect("it ends").success());
     }
 }
 
@@ -236,11 +251,8 @@ fn a_recording_begins_again_with_the_attitude_beside_it() {
     let begun = Instant::now();
     loop {
         let status = viewing.status();
-        let frames = status["figures"]["frames"]
-            .as_str()
-            .and_then(|n| n.parse().ok());
         // Three times the recording and more.
-        if frames.is_some_and(|frames: u32| frames > 12) {
+        if viewing.frames() > 12 {
             assert_eq!(status["attitude"]["yaw_deg"], 12.5, "{status}");
             assert_eq!(status["attitude"]["pitch_deg"], -3.0, "{status}");
             assert_eq!(status["ended"], false, "{status}");
@@ -298,9 +310,7 @@ fn the_page_beside_stitching_saves_records_and_marks() {
         let answer = ask(&url, path);
         assert!(answer.starts_with("HTTP/1.1 200"), "{path}: {answer}");
     }
-    let told = std::process::Command::new("kill")
-        .arg(process.id().to_string())
-        .status();
+    let told = Command::new("kill").arg(process.id().to_string()).status();
     assert!(told.is_ok_and(|status| status.success()));
     assert!(process.wait().expect("it ends").success());
     reader.join().expect("what it said");
