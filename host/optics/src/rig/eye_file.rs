@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::file::{EyeFile, LensFile, Medium};
-use super::{RigError, include, read};
+use super::{RigError, foreign, include, read};
 use crate::camera::CameraModel;
 use crate::{Eye, Field};
 
@@ -20,6 +20,9 @@ pub struct CalibratedEye {
     pub eye: Eye,
     /// What it was made from, and how well.
     pub calibration: Option<Provenance>,
+    /// What is taken for granted because the file does not say it, a sentence each: only of another
+    /// tool's file.
+    pub assumed: Vec<String>,
 }
 
 /// `[calibration]`: what an eye was made from, and how well.
@@ -62,12 +65,16 @@ struct File {
 }
 
 impl CalibratedEye {
-    /// Reads an eye's file.
+    /// Reads an eye's file, or a calibration of another tool that holds one camera ([`crate::io`]).
     ///
     /// # Errors
     /// [`RigError`] says which file, which key, what it says and what is allowed.
     pub fn load(path: &Path) -> Result<Self, RigError> {
-        Self::from_toml(&read::text(path)?, &path.display().to_string())
+        let (text, file) = (read::text(path)?, path.display().to_string());
+        match foreign::format(&text) {
+            Some(format) => foreign::calibrated_eye(format, &text, &file),
+            None => Self::from_toml(&text, &file),
+        }
     }
 
     /// An eye from the text of its file; `file` is its name for messages.
@@ -92,6 +99,7 @@ impl CalibratedEye {
             medium: parsed.medium,
             eye: read::Reader { file }.camera(&parsed.eye, "eye")?,
             calibration: parsed.calibration,
+            assumed: Vec::new(),
         })
     }
 
@@ -192,6 +200,7 @@ mod tests {
                 standard_errors: [("centre_px[0]".to_owned(), 0.01)].into(),
                 pictures_sha256: [("a/left 01.png".to_owned(), "00ff".to_owned())].into(),
             }),
+            assumed: Vec::new(),
         }
     }
 

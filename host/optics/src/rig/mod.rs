@@ -3,6 +3,7 @@
 mod error;
 mod eye_file;
 mod file;
+mod foreign;
 mod include;
 mod of_eye_files;
 mod read;
@@ -114,16 +115,21 @@ pub struct Rig {
     /// What registration found beside the poses.
     pub stitching: Option<Stitching>,
     file: RigFile,
+    assumed: Vec<String>,
 }
 
 impl Rig {
     /// Reads a rig file; its eyes may be in files of their own (`[left]` with `file = "eye.toml"`,
-    /// relative to the rig's folder).
+    /// relative to the rig's folder). A calibration of another tool with two cameras and the pose between
+    /// them is a rig as well ([`crate::io`]); [`Rig::assumed`] then says what it does not say.
     ///
     /// # Errors
     /// [`RigError`] says which file, which key, what it says and what is allowed.
     pub fn load(path: &Path) -> Result<Self, RigError> {
         let (text, file) = (read::text(path)?, path.display().to_string());
+        if let Some(format) = foreign::format(&text) {
+            return foreign::rig(format, &text, path);
+        }
         match include::resolve(&text, path)? {
             None => Self::from_toml(&text, &file),
             Some(parsed) => read::rig(parsed, &file),
@@ -148,6 +154,12 @@ impl Rig {
             })
         })?;
         read::rig(parsed, file)
+    }
+
+    /// What is taken for granted because the file does not say it, a sentence each: only of another
+    /// tool's file.
+    pub fn assumed(&self) -> &[String] {
+        &self.assumed
     }
 
     /// The rig as text of a rig file: reading it gives an equal rig.

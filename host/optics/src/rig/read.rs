@@ -52,6 +52,7 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
         right,
         stitching: stitching.transpose()?,
         file: parsed,
+        assumed: Vec::new(),
     })
 }
 

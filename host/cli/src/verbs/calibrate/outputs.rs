@@ -8,7 +8,7 @@ use image::GrayImage;
 use tectum_calibrate::Calibration;
 use tectum_calibrate::report::{self, ReportInput, ReportView};
 use tectum_calibrate::solve::{AngularUncertainty, Model, Options};
-use tectum_optics::io::opencv_yaml::{FileStorage, FisheyeCalib};
+use tectum_optics::io::opencv::{FileStorage, FisheyeCalib};
 use tectum_optics::io::{CalibratedCamera, kalibr, ocam_calib::OcamCalib};
 use tectum_optics::{CalibratedEye, CameraModel, Eye, Field, Provenance};
 
@@ -135,6 +135,7 @@ pub fn eye_file<'a>(
                 .map(|(file, sha256)| (file.display().to_string(), sha256.to_owned()))
                 .collect(),
         }),
+        assumed: Vec::new(),
     })
 }
 
