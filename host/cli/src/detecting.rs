@@ -10,6 +10,7 @@ use tectum_calibrate::detect::marker::{self, MarkerOptions};
 use tectum_calibrate::session::{Detected, Detections, Found, Outcome, Session, Wanted};
 use tectum_calibrate::{BoardSize, Dictionary};
 
+use crate::pictures;
 use crate::progress::Progress;
 use crate::report::path_json;
 
@@ -34,7 +35,7 @@ pub fn run(
             .as_ref()
             .map(|dictionary| dictionary.name().to_owned()),
     };
-    let session = Session::open(wanted, folder)?;
+    let session = Session::open(wanted, folder)?.decoding(pictures::gray);
     let progress = Progress::new(files.len() as u64);
     let name = |file: &Path| {
         file.file_name()

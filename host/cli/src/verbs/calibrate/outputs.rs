@@ -54,10 +54,8 @@ pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
         let model = of_model(args, eye, Model::KannalaBrandt)?;
         if let Some(path) = &args.kalibr {
             let model = model.clone();
-            group.add(
-                path,
-                kalibr::to_text(&[CalibratedCamera { model, size_px }])?,
-            );
+            let chain = vec![CalibratedCamera { model, size_px }].into();
+            group.add(path, kalibr::to_text(&chain)?);
         }
         if let (Some(path), CameraModel::KannalaBrandt(model)) = (&args.opencv, model) {
             let calib = FisheyeCalib {
@@ -81,7 +79,8 @@ pub fn verdict(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<report:
     with_report_input(args, eye, RIM_PICTURES, report::judge)
 }
 
-fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
+/// Width and height of an eye's pictures, px.
+pub fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
     let [width, height] = calibration.size_px.map(u16::try_from);
     Ok([width?, height?])
 }
@@ -89,13 +88,7 @@ fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
 /// The same corners' camera of a model as other programs have it: not decentred.
 fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Result<CameraModel> {
     let own = &eye.calibration.model;
-    let decentred = matches!(own, CameraModel::Ocam(lens) if lens.decentring_per_px() != [0.0; 2]);
-    let is_wanted = match own {
-        CameraModel::Ocam(_) => model == Model::Ocam,
-        CameraModel::KannalaBrandt(_) => model == Model::KannalaBrandt,
-        _ => false,
-    };
-    if is_wanted && !decentred {
+    if is_plain(own, model) {
         return Ok(own.clone());
     }
     let options = Options {
@@ -105,6 +98,15 @@ fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Res
     };
     let other = CalibratedShots::new(args, eye.shots, &options).context("export")?;
     Ok(other.calibration.model)
+}
+
+/// Whether a lens is one of `model` and not decentred.
+pub fn is_plain(lens: &CameraModel, model: Model) -> bool {
+    match lens {
+        CameraModel::Ocam(lens) => model == Model::Ocam && lens.decentring_per_px() == [0.0; 2],
+        CameraModel::KannalaBrandt(_) => model == Model::KannalaBrandt,
+        _ => false,
+    }
 }
 
 /// The eye's file; `used` are the pictures that took part, with their hashes.
@@ -123,8 +125,8 @@ pub fn eye_file<'a>(
         },
         calibration: Some(Provenance {
             made_by: concat!("tectum ", env!("CARGO_PKG_VERSION")).into(),
-            board: args.board.to_string(),
-            square_mm: args.square_mm,
+            board: args.board().size.to_string(),
+            square_mm: args.board().square_mm,
             images: shots.detections.pictures.len(),
             accepted: calibration.views_used(),
             corners: calibration.corners_used(),

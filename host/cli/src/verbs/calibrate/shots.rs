@@ -30,7 +30,7 @@ pub fn take(args: &Args, given: &[PathBuf]) -> anyhow::Result<Shots> {
     let files = list(given)?;
     check_sizes(&files)?;
     let targets = Targets {
-        board: Some(args.board),
+        board: Some(args.board().size),
         markers: args.markers.clone(),
     };
     let folder = args.session_folder();
@@ -50,7 +50,7 @@ pub fn take(args: &Args, given: &[PathBuf]) -> anyhow::Result<Shots> {
     };
     let readable = detecting::readable(&shots.detections);
     let readable: Vec<&Detected> = readable.into_iter().map(|(_, detected)| detected).collect();
-    check_board(&readable, args.board).map_err(|error| shots.and_kept(error.into()))?;
+    check_board(&readable, args.board().size).map_err(|error| shots.and_kept(error.into()))?;
     check_mirrored(&shots, args.markers.as_ref()).map_err(|error| shots.and_kept(error))?;
     Ok(shots)
 }

@@ -12,15 +12,19 @@ use tectum_calibrate::{Calibration, View};
 use tectum_optics::{CameraModel, RigOfEyeFiles, vector_of_rotation};
 
 use super::shots::{self, Shots};
-use super::{Args, outputs};
+use super::{Args, exports, outputs};
 use crate::files;
 use crate::report::{Report, paths_json};
 
+/// Where the parallax of a rig stitched at infinity is told.
+const NEAR_MM: f64 = 1000.0;
+
 /// Calibrates both eyes and their relative pose.
 pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
-    let names = ["left", "right"].map(|side| eye_path(&args.output, side));
+    let names = ["left", "right"].map(|side| exports::of_eye(&args.output, side, "toml"));
     let inputs = list(&folders.map(Path::to_owned))?;
-    files::check_outputs(names.iter().chain([&args.output]), inputs)?;
+    let others = exports::files(args);
+    files::check_outputs(names.iter().chain([&args.output]).chain(&others), inputs)?;
     let [left, right] = folders.map(|folder| shots::take(args, &[folder.to_owned()]));
     let shots = [left?, right?];
     let kept = |error| shots[0].and_kept(error);
@@ -28,30 +32,31 @@ pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
     let pairs = pair_by_name(&left, &right)?;
     let of_pair = |[index, _]: &[usize; 2]| left[*index].display().to_string();
     let pictures: Vec<String> = pairs.pairs.iter().map(of_pair).collect();
-    let [left, right] = problems(args, &shots, &pairs);
+    let problems = problems(args, &shots, &pairs);
+    let [left, right] = &problems;
     let calibrate = |problem| solve::calibrate(problem, &args.options());
-    let eyes = [("left", &left), ("right", &right)].map(|(side, problem)| {
+    let eyes = [("left", left), ("right", right)].map(|(side, problem)| {
         let calibrated = calibrate(problem);
         calibrated.map_err(|error| kept(anyhow::anyhow!("{side} eye: {error}")))
     });
     let [left_eye, right_eye] = eyes;
     let eyes = [left_eye?, right_eye?];
-    let both = stereo::calibrate((&left, &eyes[0]), (&right, &eyes[1]));
+    let both = stereo::calibrate((left, &eyes[0]), (right, &eyes[1]));
     let both = both.map_err(|error| kept(error.into()))?;
     let mut group = outputs::Group::default();
     for (k, model) in [&both.left, &both.right].into_iter().enumerate() {
         let toml = eye_toml(args, &shots[k], &eyes[k], (model, &both.parameters[k]))?;
         group.add(&names[k], toml);
     }
+    exports::add(&mut group, args, &problems, (&eyes, &both)).map_err(kept)?;
     group.add(&args.output, rig(args, &both, &names)?);
     group.write()?;
-    Ok(report(args, &both, &eyes, (&pairs, &pictures), &names))
-}
-
-/// `rig.toml` to `rig-left.toml`.
-fn eye_path(rig: &Path, side: &str) -> PathBuf {
-    let stem = rig.file_stem().unwrap_or_default().to_string_lossy();
-    rig.with_file_name(format!("{stem}-{side}.toml"))
+    let written: Vec<PathBuf> = std::iter::once(&args.output)
+        .chain(&names)
+        .chain(&others)
+        .cloned()
+        .collect();
+    Ok(report(args, &both, &eyes, (&pairs, &pictures), &written))
 }
 
 /// Both eyes' corners picture by picture: pairs first, then what only one eye has, beside nothing.
@@ -141,7 +146,8 @@ fn report(
     eyes: &[Calibration; 2],
     // And each pair's name.
     (pairs, pictures): (&Pairs, &[String]),
-    names: &[PathBuf; 2],
+    // The rig's file, both eyes', others.
+    written: &[PathBuf],
 ) -> Report {
     let mount = both.mount();
     let used = both.pairs_rms_px.iter().flatten().count();
@@ -192,7 +198,16 @@ fn report(
     for remark in &remarks {
         let _ = writeln!(text, "note: {remark}");
     }
-    for (name, eye) in names.iter().zip(eyes) {
+    if args.stitch_distance.is_none() {
+        // Seen from midway, the angle between what both eyes say of a point ahead.
+        let parallax_deg = (both.baseline_mm() / NEAR_MM).atan().to_degrees();
+        let _ = writeln!(
+            text,
+            "note: stitched at infinity: what is nearer shows twice or cut where the eyes meet, at 1 m by up \
+             to {parallax_deg:.1} degrees. --stitch-distance names the distance that is to be exact"
+        );
+    }
+    for (name, eye) in written.iter().skip(1).zip(eyes) {
         let _ = writeln!(
             text,
             "{}: {} pictures, {} corners, {:.3} px RMS alone",
@@ -253,7 +268,8 @@ fn report(
         "position_standard_error_mm": <[f64; 3]>::from(both.position_standard_error_mm),
         "left": eye(&eyes[0]),
         "right": eye(&eyes[1]),
-        "files": paths_json([&args.output, &names[0], &names[1]]),
+        "stitch_distance_m": args.stitch_distance,
+        "files": paths_json(written),
     });
     Report::new(text, json)
 }

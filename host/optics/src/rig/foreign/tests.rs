@@ -27,7 +27,7 @@ fn models() -> [KannalaBrandt; 2] {
 
 fn camera(model: &KannalaBrandt) -> CalibratedCamera {
     CalibratedCamera {
-        model: CameraModel::KannalaBrandt(model.clone()),
+        model: CameraModel::KannalaBrandt(*model),
         size_px: [960, 720],
     }
 }
@@ -121,7 +121,7 @@ fn what_a_chain_says_of_a_point_the_rig_says_too() {
     // Direction: a point of camera 0's frame goes through T_cn_cnm1 into camera 1's.
     let pose = relative(&truth(), 0);
     let chain = CameraChain {
-        cameras: models().each_ref().map(|model| camera(model)).into(),
+        cameras: models().each_ref().map(camera).into(),
         second_from_first: Some(pose),
     };
     let rig = load(&kalibr::to_text(&chain).unwrap()).unwrap();
@@ -172,7 +172,7 @@ fn a_calibration_of_basalt_is_a_rig() {
 #[test]
 fn one_camera_is_an_eye_and_two_are_a_rig() {
     let calib = FisheyeCalib {
-        model: models()[0].clone(),
+        model: models()[0],
         size_px: Some([960, 720]),
     };
     let one = FileStorage::from(&calib).to_text();
