@@ -22,7 +22,7 @@ pub fn rig_of_eyes(medium: Medium, stitch_distance_m: f64, eyes: &[(Eye, Pose)])
             medium,
             eye: eye.clone(),
             calibration: None,
-            assumed: Vec::new(),
+            remarks: Vec::new(),
         };
         let file = format!("{name}.toml");
         let toml = eye.to_toml().expect("text");

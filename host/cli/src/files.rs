@@ -32,19 +32,19 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
 /// Loads a rig, and tells a person what another tool's file leaves open.
 pub fn rig(path: &Path) -> anyhow::Result<Rig> {
     let rig = Rig::load(path)?;
-    notes(rig.assumed());
+    notes(rig.remarks());
     Ok(rig)
 }
 
 /// Loads an eye, and tells a person what another tool's file leaves open.
 pub fn eye(path: &Path) -> anyhow::Result<CalibratedEye> {
     let eye = CalibratedEye::load(path)?;
-    notes(&eye.assumed);
+    notes(&eye.remarks);
     Ok(eye)
 }
 
-fn notes(assumed: &[String]) {
-    for sentence in assumed {
+fn notes(remarks: &[String]) {
+    for sentence in remarks {
         // Stderr that is closed harms nothing.
         let _ = writeln!(io::stderr(), "note: {sentence}");
     }

@@ -290,7 +290,7 @@ fn rig(rig: &Rig, file: &Path) -> anyhow::Result<Report> {
         // TOML knows an infinite distance, JSON does not.
         "stitch_distance_m": rig.stitch_distance_m.is_finite().then_some(rig.stitch_distance_m),
         "eyes": eyes,
-        "assumed": rig.assumed(),
+        "remarks": rig.remarks(),
     });
     Ok(Report::new(text, json))
 }

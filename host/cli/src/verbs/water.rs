@@ -77,7 +77,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             calibration.standard_errors.clear();
             calibration
         }),
-        assumed: Vec::new(),
+        remarks: Vec::new(),
     };
     let text = format!(
         "# {label}. For measurements calibrate in water.\n{}",

@@ -214,6 +214,8 @@ fn mirrored_pictures_are_told_by_a_marker() {
             .unwrap();
     }
     assert_fails(&bench, &run, &["shots/00.png", "mirrored"], true);
+    let json = bench.json("detect shots --markers DICT_4X4_50");
+    assert_eq!(json["mirrored"], "shots/00.png");
 }
 
 /// The right eye 60 mm beside the left one, both of one kind and looking the same way.
@@ -276,7 +278,7 @@ fn two_eyes_are_a_rig_and_all_files() {
         assert!(told.contains("the first camera is the left eye"), "{told}");
         let written = Rig::load(&bench.path(&format!("{file}.toml"))).unwrap();
         assert_eq!((&written.left, &written.right), (&rig.left, &rig.right));
-        assert!(written.name == rig.name && written.assumed().is_empty());
+        assert!(written.name == rig.name && written.remarks().is_empty());
     }
     // One eye's file is no rig, two eyes' is no eye.
     let refused = bench.refused(1, "bake c-left.txt -o x.tct");

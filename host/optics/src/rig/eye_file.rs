@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::file::{EyeFile, LensFile, Medium};
-use super::{RigError, foreign, include, read};
+use super::{RigError, centre, foreign, include, read};
 use crate::camera::CameraModel;
 use crate::{Eye, Field};
 
@@ -20,9 +20,9 @@ pub struct CalibratedEye {
     pub eye: Eye,
     /// What it was made from, and how well.
     pub calibration: Option<Provenance>,
-    /// What is taken for granted because the file does not say it, a sentence each: only of another
-    /// tool's file.
-    pub assumed: Vec<String>,
+    /// What a person should know of the file, a sentence each: what is taken for granted because another
+    /// tool's file does not say it, and what looks like a slip.
+    pub remarks: Vec<String>,
 }
 
 /// `[calibration]`: what an eye was made from, and how well.
@@ -95,11 +95,12 @@ impl CalibratedEye {
                     .to_owned(),
             });
         }
+        let eye = read::Reader { file }.camera(&parsed.eye, "eye")?;
         Ok(Self {
             medium: parsed.medium,
-            eye: read::Reader { file }.camera(&parsed.eye, "eye")?,
+            remarks: centre::remark(&eye, "eye").into_iter().collect(),
+            eye,
             calibration: parsed.calibration,
-            assumed: Vec::new(),
         })
     }
 
@@ -200,7 +201,7 @@ mod tests {
                 standard_errors: [("centre_px[0]".to_owned(), 0.01)].into(),
                 pictures_sha256: [("a/left 01.png".to_owned(), "00ff".to_owned())].into(),
             }),
-            assumed: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 

@@ -16,7 +16,7 @@ use std::path::Path;
 use toml::Table;
 
 use super::file::{EyeFile, LensFile, Medium, PoseFile, RigFile};
-use super::{CalibratedEye, Rig, RigError, read};
+use super::{CalibratedEye, Rig, RigError, centre, read};
 use crate::convention::angle_between;
 use crate::io::any::Format;
 use crate::io::{CalibratedCamera, CameraChain};
@@ -73,14 +73,16 @@ pub(super) fn calibrated_eye(
     };
     let field_deg = field_deg(camera);
     let read = read::Reader { file }.camera(&eye(camera, Some(field_deg)), "eye")?;
+    let taken = format!(
+        "{file}, {format}, does not say these: calibrated in air, field {field_deg:.1} degrees (as far as \
+         the frame shows). To say others, make a rig that names it (tables/rigs/README.md)"
+    );
+    let slip = centre::remark(&read, "eye");
     Ok(CalibratedEye {
         medium: Medium::Air,
         eye: read,
         calibration: None,
-        assumed: vec![format!(
-            "{file}, {format}, does not say these: calibrated in air, field {field_deg:.1} degrees (as \
-             far as the frame shows). To say others, make a rig that names it (tables/rigs/README.md)"
-        )],
+        remarks: std::iter::once(taken).chain(slip).collect(),
     })
 }
 
@@ -138,7 +140,7 @@ pub(super) fn rig(format: Format, text: &str, path: &Path) -> Result<Rig, RigErr
         false => ["first", "second"],
         true => ["second", "first"],
     };
-    rig.assumed = vec![format!(
+    rig.remarks.push(format!(
         "{file}, {format}, does not say these: air, stitched at infinity, fields {:.1} and {:.1} \
          degrees (as far as the frames show); the {} camera is the left eye, the {} the right one, \
          {:.2} mm apart; the body's axes are those of the symmetric mount nearest to them, psi {:.2} and \
@@ -150,11 +152,11 @@ pub(super) fn rig(format: Format, text: &str, path: &Path) -> Result<Rig, RigErr
         1000.0 * pose.translation_m.norm(),
         mount.psi_rad.to_degrees(),
         mount.tau_rad.to_degrees(),
-    )];
-    rig.assumed.extend(mount.remarks());
+    ));
+    rig.remarks.extend(mount.remarks());
     if !others.is_empty() {
         let left_out = others.len();
-        rig.assumed
+        rig.remarks
             .push(format!("{file}: {left_out} further cameras are left out"));
     }
     Ok(rig)

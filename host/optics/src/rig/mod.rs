@@ -1,5 +1,6 @@
 //! The rig: two eyes on a body, in a medium, stitched at a distance.
 
+mod centre;
 mod error;
 mod eye_file;
 mod file;
@@ -115,13 +116,13 @@ pub struct Rig {
     /// What registration found beside the poses.
     pub stitching: Option<Stitching>,
     file: RigFile,
-    assumed: Vec<String>,
+    remarks: Vec<String>,
 }
 
 impl Rig {
     /// Reads a rig file; its eyes may be in files of their own (`[left]` with `file = "eye.toml"`,
     /// relative to the rig's folder). A calibration of another tool with two cameras and the pose between
-    /// them is a rig as well ([`crate::io`]); [`Rig::assumed`] then says what it does not say.
+    /// them is a rig as well ([`crate::io`]); [`Rig::remarks`] then says what it does not say.
     ///
     /// # Errors
     /// [`RigError`] says which file, which key, what it says and what is allowed.
@@ -156,10 +157,10 @@ impl Rig {
         read::rig(parsed, file)
     }
 
-    /// What is taken for granted because the file does not say it, a sentence each: only of another
-    /// tool's file.
-    pub fn assumed(&self) -> &[String] {
-        &self.assumed
+    /// What a person should know of the file, a sentence each: what is taken for granted because another
+    /// tool's file does not say it, and what looks like a slip.
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
     }
 
     /// The rig as text of a rig file: reading it gives an equal rig.

@@ -137,7 +137,7 @@ pub fn eye_file<'a>(
                 .map(|(file, sha256)| (file.display().to_string(), sha256.to_owned()))
                 .collect(),
         }),
-        assumed: Vec::new(),
+        remarks: Vec::new(),
     })
 }
 

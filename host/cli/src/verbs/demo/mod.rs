@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         None => (Rig::from_toml(RIG, "the demo's rig")?, RIG.to_owned()),
         Some(path) => {
             let rig = files::rig(path)?;
-            let text = match rig.assumed() {
+            let text = match rig.remarks() {
                 [] => String::from_utf8(files::read(path)?)?,
                 _ => rig.to_toml()?,
             };

@@ -108,7 +108,7 @@ fn a_chain_of_kalibr_is_the_rig_it_was_written_from() {
         assert_eq!(kalibr::parse(&text).unwrap(), chain);
         let rig = load(&text).unwrap();
         check(&rig, [300.0, 303.0]);
-        let assumed = rig.assumed().join("\n");
+        let assumed = rig.remarks().join("\n");
         for part in [told, "72.00 mm", "Kalibr", "air", "infinity"] {
             assert!(assumed.contains(part), "{part}: {assumed}");
         }
@@ -180,7 +180,7 @@ fn one_camera_is_an_eye_and_two_are_a_rig() {
     assert!(refused.contains("one camera, an eye"), "{refused}");
     let eye = calibrated_eye(Format::OpenCv, &one, "eye.yml").unwrap();
     assert_eq!(eye.medium, Medium::Air);
-    assert!(eye.assumed[0].contains("eye.yml"), "{:?}", eye.assumed);
+    assert!(eye.remarks[0].contains("eye.yml"), "{:?}", eye.remarks);
     let storage = FileStorage::of_stereo(
         [&models()[0], &models()[1]],
         [960, 720],
