@@ -235,7 +235,8 @@ fn two_eyes_are_a_rig_and_all_files() {
     bench.done("board --board 8x6 --square-mm 30 -o board.pdf");
     // A decomposed accent in the rig's name.
     let run = "calibrate --left shots --right other --board board.json --model ocam \
-               -o e\u{301}.toml --calib-results c.txt --opencv o.yml --kalibr k.yaml";
+               -o e\u{301}.toml --calib-results c.txt --opencv o.yml --kalibr k.yaml \
+               --report r.html";
     let json = bench.json(run);
     assert_eq!(json["pairs_used"], 10, "{json}");
     assert_eq!(json["unpaired"][0], "shots/10.png");
@@ -251,7 +252,7 @@ fn two_eyes_are_a_rig_and_all_files() {
         "e\u{301}-right.toml",
         "c-left.txt",
     ];
-    let others = ["c-right.txt", "o.yml", "k.yaml"];
+    let others = ["c-right.txt", "o.yml", "k.yaml", "r.html"];
     let files: Vec<&str> = files.into_iter().chain(others).collect();
     assert_eq!(json["files"], serde_json::json!(files));
 
@@ -279,6 +280,16 @@ fn two_eyes_are_a_rig_and_all_files() {
         let written = Rig::load(&bench.path(&format!("{file}.toml"))).unwrap();
         assert_eq!((&written.left, &written.right), (&rig.left, &rig.right));
         assert!(written.name == rig.name && written.remarks().is_empty());
+    }
+    let page = fs::read_to_string(bench.path("r.html")).unwrap();
+    for part in [
+        "Rig e\u{301}",
+        "10 <small>of 10</small>",
+        "Eye left",
+        "Eye right",
+        "shots/10.png",
+    ] {
+        assert!(page.contains(part), "{part}");
     }
     // One eye's file is no rig, two eyes' is no eye.
     let refused = bench.refused(1, "bake c-left.txt -o x.tct");

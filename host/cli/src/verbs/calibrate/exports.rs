@@ -23,13 +23,14 @@ pub fn of_eye(file: &Path, side: &str, ending: &str) -> PathBuf {
     file.with_file_name(format!("{stem}-{side}.{ending}"))
 }
 
-/// The files that [`add`] adds.
+/// The files beside the rig and its eyes.
 pub fn files(args: &Args) -> Vec<PathBuf> {
     let sides = ["left", "right"].into_iter();
     let each = args.calib_results.iter();
     each.flat_map(|file| sides.clone().map(|side| of_eye(file, side, "txt")))
         .chain(args.opencv.clone())
         .chain(args.kalibr.clone())
+        .chain(args.report.clone())
         .collect()
 }
 

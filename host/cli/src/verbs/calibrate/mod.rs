@@ -62,8 +62,8 @@ pub struct Args {
     /// Eye file to write
     #[arg(short, long, value_name = "EYE.toml")]
     output: PathBuf,
-    /// Report to write: one HTML page
-    #[arg(long, value_name = "FILE.html", conflicts_with = "left")]
+    /// Report to write: one HTML page, of both eyes where both are calibrated
+    #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
     /// OCamCalib's file to write; with both eyes FILE-left.txt and FILE-right.txt
     #[arg(long, value_name = "FILE.txt")]

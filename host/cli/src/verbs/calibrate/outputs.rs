@@ -66,7 +66,7 @@ pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
         }
     }
     if let Some(path) = &args.report {
-        let html = with_report_input(args, eye, usize::MAX, report::html)?;
+        let html = with_report_input(args, eye, (&name(args), usize::MAX), report::html)?;
         group.add(path, html);
     }
     let toml = eye_file(args, &eye.calibration, eye.shots, used)?.to_toml()?;
@@ -76,7 +76,7 @@ pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
 
 /// What the report says in words, without the report.
 pub fn verdict(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<report::verdict::Verdict> {
-    with_report_input(args, eye, RIM_PICTURES, report::judge)
+    with_report_input(args, eye, (&name(args), RIM_PICTURES), report::judge)
 }
 
 /// Width and height of an eye's pictures, px.
@@ -156,18 +156,20 @@ fn standard_errors(calibration: &Calibration) -> BTreeMap<String, f64> {
         .collect()
 }
 
-/// Calls `use_input` with the report's input; the first `most` views come with their pictures.
-fn with_report_input<T>(
+/// Name of what is calibrated, after its file.
+pub fn name(args: &Args) -> String {
+    let stem = args.output.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+/// Calls `use_input` with the report's input for an eye of a name; the first `most` views come with their
+/// pictures.
+pub fn with_report_input<T>(
     args: &Args,
     eye: &CalibratedShots<'_>,
-    most: usize,
+    (name, most): (&str, usize),
     use_input: fn(&ReportInput<'_>) -> T,
 ) -> anyhow::Result<T> {
-    let name = args
-        .output
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
     let files: Vec<String> = eye
         .views()
         .map(|(file, ..)| file.display().to_string())
@@ -188,7 +190,7 @@ fn with_report_input<T>(
         .collect();
     let uncertainty = AngularUncertainty::new(&eye.calibration);
     Ok(use_input(&ReportInput {
-        eye: &name,
+        eye: name,
         calibration: &eye.calibration,
         board: args.board(),
         medium: args.medium.into(),
