@@ -55,13 +55,14 @@ impl Format {
             return Some(Self::OcamCalib);
         }
         let keys = || std::iter::once(first).chain(lines.clone());
-        if keys().any(|line| line.trim_end() == "cam0:") {
+        if keys().any(|line| line.starts_with("cam0:")) {
             return Some(Self::Kalibr);
         }
         let is_camera = |line: &str| {
             [
                 "K:",
                 "camera_matrix:",
+                "Camera_Matrix:",
                 "K1:",
                 "M1:",
                 "cameraMatrix1:",
@@ -121,6 +122,14 @@ mod tests {
             (format!("%YAML:1.0\n---\n{CHAIN}"), Some(Format::Kalibr)),
             (format!("\u{feff}{CHAIN}"), Some(Format::Kalibr)),
             (format!("# made by hand\n{CHAIN}"), Some(Format::Kalibr)),
+            (
+                OPENCV
+                    .replace("camera_matrix", "Camera_Matrix")
+                    .replace("distortion_coefficients", "Distortion_Coefficients")
+                    .replace("image_width", "image_Width")
+                    .replace("image_height", "image_Height"),
+                Some(Format::OpenCv),
+            ),
             (format!("%YAML:1.0\n{OPENCV}"), Some(Format::OpenCv)),
             (format!("\u{feff}%YAML:1.0\n{OPENCV}"), Some(Format::OpenCv)),
             (OCAM.to_owned(), Some(Format::OcamCalib)),
@@ -147,6 +156,14 @@ mod tests {
         assert_eq!(Format::of(&ros), Some(Format::OpenCv));
         let refused = Format::OpenCv.cameras(&ros).unwrap_err().to_string();
         assert!(refused.contains("plumb_bob"), "{refused}");
+        let perspective = format!("{OPENCV}fisheye_model: 0\n");
+        let refused = Format::OpenCv
+            .cameras(&perspective)
+            .unwrap_err()
+            .to_string();
+        assert!(refused.starts_with("fisheye_model"), "{refused}");
+        let fisheye = format!("{OPENCV}fisheye_model: 1\n");
+        assert!(Format::OpenCv.cameras(&fisheye).is_ok());
     }
 
     #[test]

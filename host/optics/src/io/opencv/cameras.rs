@@ -23,7 +23,8 @@ pub struct FisheyeCalib {
 
 impl FileStorage {
     /// The camera of a file that holds a calibration of `cv::fisheye`: `K` or `camera_matrix`, `D`
-    /// or `distortion_coefficients`, and `image_width` with `image_height` if they are there.
+    /// or `distortion_coefficients`, and `image_width` with `image_height` if they are there; the capitals
+    /// of older files pass.
     ///
     /// The file itself does not say which model its coefficients belong to: the caller must know
     /// that it is the fisheye one.
@@ -34,7 +35,10 @@ impl FileStorage {
     pub fn fisheye(&self) -> Result<FisheyeCalib, CalibFileError> {
         self.check_model()?;
         Ok(FisheyeCalib {
-            model: self.camera(&["K", "camera_matrix"], &["D", "distortion_coefficients"])?,
+            model: self.camera(
+                &["K", "Camera_Matrix", "camera_matrix"],
+                &["D", "Distortion_Coefficients", "distortion_coefficients"],
+            )?,
             size_px: self.image_size_px()?,
         })
     }
@@ -111,7 +115,12 @@ impl FileStorage {
         RelativePose::checked(&rotation, &metres, "R, T").map(Some)
     }
 
+    /// Refuses a file that says it is of no fisheye lens.
     fn check_model(&self) -> Result<(), CalibFileError> {
+        if self.numbers.get("fisheye_model") == Some(&0.0) {
+            let allowed = "1: a calibration for a fisheye lens";
+            return Err(CalibFileError::value("fisheye_model", "0", allowed));
+        }
         match self.words.get("distortion_model") {
             Some(model) if !["equidistant", "fisheye"].contains(&&**model) => {
                 Err(CalibFileError::value(
@@ -153,8 +162,15 @@ impl FileStorage {
 
     /// `image_width` and `image_height`, if they are there.
     fn image_size_px(&self) -> Result<Option<[u16; 2]>, CalibFileError> {
-        let side = |name| self.numbers.get(name).copied();
-        match (side("image_width"), side("image_height")) {
+        let side = |name, older| {
+            let found = self.numbers.get(name).or(self.numbers.get(older));
+            found.copied()
+        };
+        let [width, height] = [
+            side("image_width", "image_Width"),
+            side("image_height", "image_Height"),
+        ];
+        match (width, height) {
             (None, None) => Ok(None),
             (Some(width), Some(height)) => {
                 // A fraction is no side: 0 is refused.
