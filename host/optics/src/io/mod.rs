@@ -3,7 +3,7 @@
 //! | Module | Files | Models |
 //! |---|---|---|
 //! | [`ocam_calib`] | `calib_results.txt` of OCamCalib | [`Ocam`](crate::camera::Ocam) |
-//! | [`opencv`] | `FileStorage` YAML and XML of OpenCV, one camera or two | [`KannalaBrandt`](crate::camera::KannalaBrandt) |
+//! | [`opencv`] | `FileStorage` of OpenCV, YAML or XML | [`KannalaBrandt`](crate::camera::KannalaBrandt) |
 //! | [`kalibr`] | camera chain of Kalibr | Kannala-Brandt, double sphere, EUCM |
 //! | [`basalt`] | calibration JSON of Basalt | the same |
 //!

@@ -45,8 +45,9 @@ impl FileStorage {
 
     /// All cameras of a file: those of `cv::fisheye::stereoCalibrate` (`K1`, `D1`, `K2`, `D2`; `M1` and
     /// `cameraMatrix1` pass for `K1`), with their pose if `R` and `T` are there, or the one of
-    /// [`FileStorage::fisheye`]. `R` and `T` map points from the first camera's frame into the second's. The unit of
-    /// `T` is not in the file: a length of 1 and more is taken in mm, a shorter one in m.
+    /// [`FileStorage::fisheye`]. `R` and `T` map points from the first camera's frame into the
+    /// second's. The unit of `T` is not in the file: a length of 1 and more is taken in mm, a shorter
+    /// one in m.
     ///
     /// # Errors
     /// As [`FileStorage::fisheye`]; also if the file does not say how large the pictures are.
@@ -61,13 +62,13 @@ impl FileStorage {
             model: CameraModel::KannalaBrandt(model),
             size_px,
         };
-        if !["K1", "M1", "cameraMatrix1"].map(|name| self.matrices.contains_key(name))[..]
-            .contains(&true)
-        {
+        let first_of_two = ["K1", "M1", "cameraMatrix1"];
+        let has = |name: &&str| self.matrices.contains_key(*name);
+        if !first_of_two.iter().any(has) {
             return Ok(vec![of_model(self.fisheye()?.model)].into());
         }
         self.check_model()?;
-        let first = self.camera(&["K1", "M1", "cameraMatrix1"], &["D1", "distCoeffs1"])?;
+        let first = self.camera(&first_of_two, &["D1", "distCoeffs1"])?;
         let second = self.camera(&["K2", "M2", "cameraMatrix2"], &["D2", "distCoeffs2"])?;
         Ok(CameraChain {
             cameras: [first, second].map(of_model).into(),
