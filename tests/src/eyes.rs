@@ -22,6 +22,7 @@ pub fn rig_of_eyes(medium: Medium, stitch_distance_m: f64, eyes: &[(Eye, Pose)])
             medium,
             eye: eye.clone(),
             calibration: None,
+            remarks: Vec::new(),
         };
         let file = format!("{name}.toml");
         let toml = eye.to_toml().expect("text");

@@ -12,6 +12,7 @@ use tectum_calibrate::solve::{Options, Problem, board_pose, calibrate};
 use tectum_calibrate::{Board, BoardPose, Calibration, View, stereo};
 use tectum_optics::CameraModel;
 use tectum_optics::camera::KannalaBrandt;
+use tectum_optics::io::RelativePose;
 use tectum_optics::io::ocam_calib::OcamCalib;
 use tectum_tests::data;
 
@@ -111,6 +112,15 @@ fn the_stereo_pair_is_where_opencv_publishes_it() {
     assert!(aligned_deg < 0.1, "{aligned_deg}");
     // The published figure was made with a square of 24.39 mm.
     assert!(share.abs() < 0.01, "{share}");
+    // What is written for OpenCV and Kalibr has their direction: points of the left eye into the right.
+    let exported = RelativePose::of_second(&tied.rotation, &(tied.position_mm / 1000.0));
+    let off_m = (exported.translation_m - translation).norm();
+    // A tenth of a degree at the left eye's distance from the right, and the square's share.
+    assert!(off_m < 0.02 * translation.norm(), "{off_m}");
+    let off_deg = (published_rotation.inverse() * exported.rotation)
+        .angle()
+        .to_degrees();
+    assert!(off_deg < 1.0, "{off_deg}");
 }
 
 /// A published camera as a calibration: what [`board_pose`] needs of one.

@@ -13,6 +13,7 @@ mod believed;
 mod beside;
 mod clock;
 mod convert;
+mod depth;
 mod description;
 #[cfg(feature = "v4l2")]
 pub mod device;

@@ -5,16 +5,19 @@ use std::sync::Arc;
 
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
 
+use crate::depth::{bits_used, to_8_bits};
 use crate::source::{Frame, FrameSource, Next};
 use crate::{CaptureError, FrameFormat, Health, JpegDamage, Layout, check_jpeg};
 
 /// The picture files of a folder in the order of their names, hidden ones left out, or one picture:
-/// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt.
+/// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt. Of files of 16
+/// bits the most bits that any picture so far has used count, so that a dark one stays dark.
 #[derive(Debug)]
 pub struct Pictures {
     name: String,
     files: std::vec::IntoIter<(i64, PathBuf)>,
     format: FrameFormat,
+    bits: u32,
     data: Vec<u8>,
     read: u32,
     health: Arc<Health>,
@@ -74,11 +77,13 @@ impl Pictures {
             });
         };
         let first = decode(first)?;
+        let bits = bits_used(&first);
         let side = |px: u32| u16::try_from(px).unwrap_or(u16::MAX);
         Ok(Self {
             name: path.display().to_string(),
             format: FrameFormat::packed(Layout::Rgb24, [side(first.width()), side(first.height())]),
             files: files.into_iter(),
+            bits,
             data: Vec::new(),
             read: 0,
             health: Arc::default(),
@@ -127,11 +132,18 @@ pub enum PictureError {
     Unsound(ImageError),
 }
 
-/// Decodes a PNG, JPEG, PNM, BMP or TIFF file; its content tells which.
+/// Decodes a PNG, JPEG, PNM, BMP or TIFF file; its content tells which. A picture of 16 bits comes in
+/// 8, of which its samples use what is there: those of 10, 12 or 14 bits are told by their largest value.
 ///
 /// # Errors
 /// [`PictureError`] for what must not be shown.
 pub fn decode_picture(bytes: &[u8]) -> Result<DynamicImage, PictureError> {
+    let picture = decode_bytes(bytes)?;
+    let bits = bits_used(&picture);
+    Ok(to_8_bits(picture, bits))
+}
+
+fn decode_bytes(bytes: &[u8]) -> Result<DynamicImage, PictureError> {
     let reader = ImageReader::new(std::io::Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| PictureError::Unsound(error.into()))?;
@@ -145,13 +157,12 @@ pub fn decode_picture(bytes: &[u8]) -> Result<DynamicImage, PictureError> {
     })
 }
 
-fn decode(path: &Path) -> Result<image::RgbImage, CaptureError> {
+fn decode(path: &Path) -> Result<DynamicImage, CaptureError> {
     let bytes = std::fs::read(path).map_err(|e| CaptureError::io(path, e))?;
-    let picture = decode_picture(&bytes).map_err(|error| CaptureError::File {
+    decode_bytes(&bytes).map_err(|error| CaptureError::File {
         path: path.to_owned(),
         why: error.to_string(),
-    })?;
-    Ok(picture.into_rgb8())
+    })
 }
 
 impl FrameSource for Pictures {
@@ -172,6 +183,8 @@ impl FrameSource for Pictures {
             self.health.corrupt();
             return Ok(Next::Nothing);
         };
+        self.bits = self.bits.max(bits_used(&picture));
+        let picture = to_8_bits(picture, self.bits).into_rgb8();
         let size = [picture.width(), picture.height()];
         if size != self.format.size_px.map(u32::from) {
             return Err(CaptureError::File {

@@ -12,6 +12,51 @@ use tectum_stitch::matching::{Outcome, Relative, Sighting, match_boards};
 
 use crate::{detecting, files, pictures};
 
+/// A board as the command line names it: by its size, or by the file beside its print.
+#[derive(Debug, Clone, Copy)]
+pub struct PrintedBoard {
+    /// Inner corners.
+    pub size: BoardSize,
+    /// Side of a square as it was to be printed, mm, if the file says.
+    pub square_mm: Option<f64>,
+}
+
+/// `8x6`, or a file of `tectum board` that holds one board.
+pub fn printed(text: &str) -> Result<PrintedBoard, String> {
+    if !text.ends_with(".json") {
+        let size = detecting::board(text)?;
+        return Ok(PrintedBoard {
+            size,
+            square_mm: None,
+        });
+    }
+    let file = targets_of(Path::new(text)).map_err(|error| format!("{error:#}"))?;
+    let board = |target: &Target| match target {
+        Target::Chessboard(board) => Some(*board),
+        Target::Overlap(target) => Some(target.board),
+        Target::Marker(_) => None,
+    };
+    let mut boards: Vec<Board> = file.iter().filter_map(board).collect();
+    boards.dedup();
+    match boards[..] {
+        [board] => Ok(PrintedBoard {
+            size: board.size,
+            square_mm: Some(board.square_mm),
+        }),
+        _ => Err(format!(
+            "it holds {} different boards: say the one in the pictures as 8x6, and --square-mm",
+            boards.len()
+        )),
+    }
+}
+
+fn targets_of(path: &Path) -> anyhow::Result<Vec<Target>> {
+    let text = String::from_utf8(files::read(path)?)
+        .with_context(|| format!("{}: not a text", path.display()))?;
+    let file = TargetFile::from_json(&text);
+    Ok(file.with_context(|| path.display().to_string())?.targets)
+}
+
 /// Boards to look for.
 #[derive(clap::Args)]
 pub struct TargetArgs {
@@ -35,10 +80,7 @@ impl TargetArgs {
     /// The targets.
     pub fn targets(&self) -> anyhow::Result<Vec<Target>> {
         if let Some(path) = &self.target {
-            let text = String::from_utf8(files::read(path)?)
-                .with_context(|| format!("{}: not a text", path.display()))?;
-            let file = TargetFile::from_json(&text);
-            return Ok(file.with_context(|| path.display().to_string())?.targets);
+            return targets_of(path);
         }
         let (Some(size), Some(square_mm)) = (self.board, self.square_mm) else {
             return Ok(Vec::new());

@@ -10,8 +10,12 @@ use tectum_calibrate::detect::marker::{self, MarkerOptions};
 use tectum_calibrate::session::{Detected, Detections, Found, Outcome, Session, Wanted};
 use tectum_calibrate::{BoardSize, Dictionary};
 
+use crate::pictures;
 use crate::progress::Progress;
 use crate::report::path_json;
+
+/// Pictures looked at in a mirror before markers are said to be none.
+const MIRROR_TRIES: usize = 5;
 
 /// What to look for.
 pub struct Targets {
@@ -34,7 +38,7 @@ pub fn run(
             .as_ref()
             .map(|dictionary| dictionary.name().to_owned()),
     };
-    let session = Session::open(wanted, folder)?;
+    let session = Session::open(wanted, folder)?.decoding(pictures::gray);
     let progress = Progress::new(files.len() as u64);
     let name = |file: &Path| {
         file.file_name()
@@ -64,6 +68,29 @@ fn find(picture: &GrayImage, targets: &Targets) -> Found {
         found.markers = marker::detect(picture, dictionary, &MarkerOptions::default());
     }
     found
+}
+
+/// The first of `files` whose markers can be read only in a mirror, if no picture shows any; the first
+/// few are looked at.
+pub fn mirrored<'a>(
+    detections: &Detections,
+    dictionary: Option<&Dictionary>,
+    files: impl Iterator<Item = &'a Path>,
+) -> anyhow::Result<Option<&'a Path>> {
+    let Some(dictionary) = dictionary else {
+        return Ok(None);
+    };
+    let found = |(_, detected): &(usize, &Detected)| !detected.found.markers.is_empty();
+    if readable(detections).iter().any(found) {
+        return Ok(None);
+    }
+    for file in files.take(MIRROR_TRIES) {
+        let picture = pictures::load_gray(file)?;
+        if marker::is_mirrored(&picture, dictionary, &MarkerOptions::default()) {
+            return Ok(Some(file));
+        }
+    }
+    Ok(None)
 }
 
 /// The pictures that could be read, by their index in the session.

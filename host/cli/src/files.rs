@@ -10,7 +10,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use tectum_optics::{Rig, read_limited};
+use tectum_optics::{CalibratedEye, Rig, read_limited};
 use tectum_tables::Tables;
 use tempfile::NamedTempFile;
 
@@ -27,6 +27,27 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
         bail!("{}: the file is empty", path.display());
     }
     Ok(bytes)
+}
+
+/// Loads a rig, and tells a person what another tool's file leaves open.
+pub fn rig(path: &Path) -> anyhow::Result<Rig> {
+    let rig = Rig::load(path)?;
+    notes(rig.remarks());
+    Ok(rig)
+}
+
+/// Loads an eye, and tells a person what another tool's file leaves open.
+pub fn eye(path: &Path) -> anyhow::Result<CalibratedEye> {
+    let eye = CalibratedEye::load(path)?;
+    notes(&eye.remarks);
+    Ok(eye)
+}
+
+fn notes(remarks: &[String]) {
+    for sentence in remarks {
+        // Stderr that is closed harms nothing.
+        let _ = writeln!(io::stderr(), "note: {sentence}");
+    }
 }
 
 /// Parses and proves a table that was read from `path`.

@@ -18,6 +18,12 @@ pub fn load_gray(path: &Path) -> anyhow::Result<GrayImage> {
     Ok(decode(path)?.into_luma8())
 }
 
+/// An 8-bit gray picture from the bytes of its file, or why there is none.
+pub fn gray(bytes: &[u8]) -> Result<GrayImage, String> {
+    let picture = tectum_capture::decode_picture(bytes).map_err(|error| error.to_string());
+    Ok(picture?.into_luma8())
+}
+
 fn decode(path: &Path) -> anyhow::Result<DynamicImage> {
     let bytes = files::read(path)?;
     tectum_capture::decode_picture(&bytes).with_context(|| path.display().to_string())

@@ -12,6 +12,7 @@ mod field;
 mod front_element;
 pub mod io;
 mod limited;
+mod mount_fit;
 mod pose;
 pub mod projection;
 mod rig;
@@ -20,6 +21,7 @@ pub use camera::{CameraModel, ModelError};
 pub use field::{Eye, Field, FieldError, SightError};
 pub use front_element::{FrontElement, FrontElementError, InWater, WATER_INDEX};
 pub use limited::read_limited;
+pub use mount_fit::MountFit;
 pub use pose::{Pose, Side, rotation_vector, vector_of_rotation};
 pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula, ViewRange};
 pub use rig::{

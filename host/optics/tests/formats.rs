@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use tectum_optics::CameraModel;
 use tectum_optics::camera::{DoubleSphere, Equidistant, Eucm, KannalaBrandt};
 use tectum_optics::io::ocam_calib::OcamCalib;
-use tectum_optics::io::opencv_yaml::{FileStorage, FisheyeCalib, Matrix};
-use tectum_optics::io::{CalibFileError, CalibratedCamera, basalt, kalibr};
+use tectum_optics::io::opencv::{FileStorage, FisheyeCalib, Matrix};
+use tectum_optics::io::{CalibFileError, CalibratedCamera, CameraChain, basalt, kalibr};
 
 const KALIBR: &str = "\
 cam0:
@@ -73,6 +73,28 @@ names:
    - right
 ";
 
+const STEREO: &str = "\
+%YAML:1.0
+image_width: 640
+image_height: 480
+K1: { rows: 3, cols: 3, data: [300.0, 0, 320.0, 0, 300.0, 240.0, 0, 0, 1] }
+D1: { rows: 1, cols: 4, data: [0.01, 0, 0, 0] }
+K2: { rows: 3, cols: 3, data: [301.0, 0, 321.0, 0, 301.0, 241.0, 0, 0, 1] }
+D2: { rows: 4, cols: 1, data: [0.02, 0, 0, 0] }
+R: { rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1] }
+T: { rows: 3, cols: 1, data: [-60.0, 0, 0] }
+";
+
+const XML: &str = "\
+<?xml version=\"1.0\"?>
+<opencv_storage>
+<image_width>640</image_width><image_height>480</image_height>
+<K type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt>
+  <data>300. 0. 320. 0. 300. 240. 0. 0. 1.</data></K>
+<D type_id=\"opencv-matrix\"><rows>4</rows><cols>1</cols><dt>d</dt><data>0.01 0. 0. 0.</data></D>
+</opencv_storage>
+";
+
 fn kannala_brandt() -> KannalaBrandt {
     let distortion = [-0.0336, 0.0153, -0.0186, 0.0058];
     KannalaBrandt::new([350.5, 352.4], [647.6, 513.5], distortion).unwrap()
@@ -94,8 +116,15 @@ fn cameras() -> Vec<CalibratedCamera> {
 
 #[test]
 fn each_tools_files_hold_the_same_cameras() {
-    assert_eq!(kalibr::parse(KALIBR), Ok(cameras()));
-    assert_eq!(basalt::parse(BASALT), Ok(cameras()));
+    let chain = kalibr::parse(KALIBR).unwrap();
+    assert_eq!(chain.cameras, cameras());
+    // The second camera is 100 mm to the first one's right: what lies ahead of the first lies to the
+    // left of the second.
+    let pose = chain.second_from_first.unwrap();
+    assert_eq!(pose.translation_m.as_slice(), [-0.1, 0.0, 0.0]);
+    assert_eq!(pose.second_centre_m().as_slice(), [0.1, 0.0, 0.0]);
+    // One pose for three cameras says nothing of the second.
+    assert_eq!(basalt::parse(BASALT), Ok(cameras().into()));
     let storage = FileStorage::parse(OPENCV).unwrap();
     let expected = FisheyeCalib {
         model: kannala_brandt(),
@@ -105,7 +134,7 @@ fn each_tools_files_hold_the_same_cameras() {
     // Windows line ends change nothing.
     let windows = OPENCV.replace('\n', "\r\n");
     assert_eq!(FileStorage::parse(&windows), Ok(storage));
-    assert_eq!(kalibr::parse(&KALIBR.replace('\n', "\r\n")), Ok(cameras()));
+    assert_eq!(kalibr::parse(&KALIBR.replace('\n', "\r\n")), Ok(chain));
 }
 
 #[test]
@@ -113,7 +142,8 @@ fn models_that_a_tool_does_not_have_are_not_written() {
     let model = CameraModel::Equidistant(Equidistant::new(300.0, [320.0, 240.0]).unwrap());
     let size_px = [640, 480];
     let cameras = [CalibratedCamera { model, size_px }];
-    for error in [kalibr::to_text(&cameras), basalt::to_text(&cameras)] {
+    let chain = CameraChain::from(cameras.to_vec());
+    for error in [kalibr::to_text(&chain), basalt::to_text(&cameras)] {
         let error = error.unwrap_err();
         assert!(
             error.to_string().contains("has no model equidistant"),
@@ -234,6 +264,32 @@ fn opencv_names_matrix_and_what_is_allowed() {
 }
 
 #[test]
+fn a_stereo_file_names_what_is_wrong_with_its_pose() {
+    let cameras = |text: &str| FileStorage::parse(text)?.cameras();
+    let message = |from, to| message(cameras, STEREO, from, to);
+    let read = cameras(STEREO).unwrap();
+    let pose = read.second_from_first.unwrap();
+    assert_eq!(pose.translation_m.as_slice(), [-0.06, 0.0, 0.0]);
+    assert_eq!(read.cameras.len(), 2);
+    // The same in metres.
+    assert_eq!(cameras(&STEREO.replace("-60.0", "-0.06")), Ok(read.clone()));
+    let other_names = STEREO.replace("K1", "M1").replace("K2", "M2");
+    assert_eq!(cameras(&other_names), Ok(read));
+    assert!(message("R: {", "Q: {").starts_with("R is missing"));
+    assert!(message("[1, 0, 0, 0, 1,", "[1, 0, 0, 0, 2,").starts_with("R, T: "));
+    assert!(message("[-60.0, 0, 0]", "[-60.0, 0, 1e9]").contains("100 m apart"));
+    assert!(
+        message(
+            "cols: 1, data: [-60.0, 0, 0]",
+            "cols: 2, data: [0, 0, 0, 0, 0, 0]"
+        )
+        .contains("3x1")
+    );
+    assert!(message("K2", "K3").starts_with("cameraMatrix2 is missing"));
+    assert!(message("image_width: 640\nimage_height: 480\n", "").contains("size"));
+}
+
+#[test]
 fn every_truncation_is_an_error_or_a_whole_camera() {
     for text in [KALIBR, BASALT, OPENCV] {
         for length in 0..text.len() {
@@ -241,6 +297,7 @@ fn every_truncation_is_an_error_or_a_whole_camera() {
             // A chain cut between two cameras, or after the last number that matters, is whole.
             if let Ok(read) = kalibr::parse(cut) {
                 let keys = cameras();
+                let read = read.cameras;
                 assert!(read.len() <= 3 && read[0] == keys[0], "{cut}");
             }
             assert!(basalt::parse(cut).is_err(), "{cut}");
@@ -271,7 +328,7 @@ fn deep_nesting_is_refused() {
 
 /// Any text, and texts that look right up to a point.
 fn hostile_text() -> impl Strategy<Value = String> {
-    let whole = prop::sample::select(vec![KALIBR, BASALT, OPENCV]);
+    let whole = prop::sample::select(vec![KALIBR, BASALT, OPENCV, STEREO, XML]);
     let damaged = (
         whole,
         any::<prop::sample::Index>(),
@@ -310,10 +367,12 @@ proptest! {
             prop_assert_eq!(kalibr::parse(&kalibr::to_text(&read).unwrap()), Ok(read));
         }
         if let Ok(read) = basalt::parse(&text) {
-            prop_assert_eq!(basalt::parse(&basalt::to_text(&read).unwrap()), Ok(read));
+            let cameras = read.cameras;
+            prop_assert_eq!(basalt::parse(&basalt::to_text(&cameras).unwrap()), Ok(cameras.into()));
         }
         if let Ok(storage) = FileStorage::parse(&text) {
             let _ = storage.fisheye();
+            let _ = storage.cameras();
         }
     }
 
@@ -342,8 +401,10 @@ proptest! {
         if let Ok(model) = KannalaBrandt::new(focal, [other[2], other[3]], distortion) {
             let model = CameraModel::KannalaBrandt(model);
             let cameras = vec![CalibratedCamera { model, size_px }];
-            prop_assert_eq!(kalibr::parse(&kalibr::to_text(&cameras).unwrap()), Ok(cameras.clone()));
-            prop_assert_eq!(basalt::parse(&basalt::to_text(&cameras).unwrap()), Ok(cameras));
+            let text = basalt::to_text(&cameras).unwrap();
+            let chain = CameraChain::from(cameras);
+            prop_assert_eq!(kalibr::parse(&kalibr::to_text(&chain).unwrap()), Ok(chain.clone()));
+            prop_assert_eq!(basalt::parse(&text), Ok(chain));
         }
     }
 }

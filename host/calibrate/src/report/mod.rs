@@ -1,4 +1,5 @@
-//! The calibration report: one HTML file with all its pictures inside, for screen and print.
+//! The calibration report: one HTML file with all its pictures inside, for screen and print. [`rig`] is
+//! that of two eyes.
 
 pub mod coverage;
 mod coverage_map;
@@ -11,6 +12,7 @@ mod models;
 mod pictures;
 mod radial;
 mod residuals;
+pub mod rig;
 #[cfg(test)]
 mod sample;
 mod sigma;
@@ -83,9 +85,28 @@ pub fn judge(input: &ReportInput) -> Verdict {
 
 /// The report as an HTML page that needs no other file and no network.
 pub fn html(input: &ReportInput) -> String {
-    let facts = Facts::new(input);
     let title = format!("Calibration of eye {}", input.eye);
-    let sections = [
+    tectum_page::html(&title, &body(input))
+}
+
+/// The report as a part of another page; the eye's name, which must be a plain word, stands before the
+/// names of its places.
+pub fn section(input: &ReportInput) -> String {
+    numbered(&body(input), input.eye)
+}
+
+/// HTML whose places have a prefix. Quotes in texts are escaped, so that only attributes are meant.
+fn numbered(html: &str, prefix: &str) -> String {
+    let mut html = html.to_owned();
+    for place in ["id=\"", "href=\"#", "url(#"] {
+        html = html.replace(place, &format!("{place}{prefix}-"));
+    }
+    html
+}
+
+fn body(input: &ReportInput) -> String {
+    let facts = Facts::new(input);
+    [
         head::html(&facts),
         coverage_map::html(&facts),
         residuals::html(&facts),
@@ -93,6 +114,6 @@ pub fn html(input: &ReportInput) -> String {
         uncertainty::html(&facts),
         models::html(&facts),
         pictures::html(&facts),
-    ];
-    tectum_page::html(&title, &sections.concat())
+    ]
+    .concat()
 }

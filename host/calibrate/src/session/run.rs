@@ -89,7 +89,11 @@ pub struct Detections {
 pub struct Session {
     wanted: Wanted,
     folder: Option<PathBuf>,
+    decode: Decode,
 }
+
+/// A picture from the bytes of its file, or why there is none.
+pub type Decode = fn(&[u8]) -> Result<GrayImage, String>;
 
 impl Session {
     /// A session that keeps its results in `folder`, which is made if it is not there; without a
@@ -104,7 +108,17 @@ impl Session {
                 source,
             })?;
         }
-        Ok(Self { wanted, folder })
+        Ok(Self {
+            wanted,
+            folder,
+            decode,
+        })
+    }
+
+    /// The same with another reader of pictures: one that knows more of what is wrong with them.
+    #[must_use]
+    pub fn decoding(self, decode: Decode) -> Self {
+        Self { decode, ..self }
     }
 
     /// Runs `detect` on every picture that has no result yet; `done` hears of each picture as it
@@ -158,7 +172,7 @@ impl Session {
                 Kept::SetAside(aside) => set_aside = Some(aside),
             }
         }
-        let picture = match decode(&bytes) {
+        let picture = match self.decoded(&bytes) {
             Ok(picture) => picture,
             Err(reason) => return Ok((Outcome::Unreadable(reason), set_aside)),
         };
@@ -173,6 +187,13 @@ impl Session {
             saved.map_err(|e| self.write_error(&entry.key, e))?;
         }
         Ok((entry.into_outcome(false), set_aside))
+    }
+
+    fn decoded(&self, bytes: &[u8]) -> Result<GrayImage, String> {
+        if bytes.is_empty() {
+            return Err("the file is empty".into());
+        }
+        (self.decode)(bytes)
     }
 
     fn write_error(&self, key: &Key, source: std::io::Error) -> SessionError {
@@ -195,9 +216,6 @@ impl Entry {
 }
 
 fn decode(bytes: &[u8]) -> Result<GrayImage, String> {
-    if bytes.is_empty() {
-        return Err("the file is empty".into());
-    }
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
     let decoded = reader.map_err(image::ImageError::from);
     match decoded.and_then(ImageReader::decode) {

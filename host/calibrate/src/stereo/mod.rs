@@ -5,17 +5,15 @@
 //! read it, the one is taken in which most pairs agree.
 
 mod bundle;
-mod mount;
 mod pairs;
 #[cfg(test)]
 mod tests;
 
 use nalgebra::{Rotation3, Vector3};
-use tectum_optics::{CameraModel, Pose};
+use tectum_optics::{CameraModel, MountFit, Pose};
 
 use crate::solve::Problem;
 use crate::{Calibration, Parameter};
-pub use mount::MountFit;
 pub use pairs::{Agreement, BoardPair, agreement};
 
 /// The eyes' relative pose and what was refined with it.
@@ -83,13 +81,7 @@ impl StereoCalibration {
     /// Poses of the left and the right eye in the body frame of that mount, whose origin is midway
     /// between the eyes.
     pub fn poses(&self) -> [Pose; 2] {
-        let rotations = self.mount().rotations;
-        let half_m = rotations[0] * self.position_mm / 2000.0;
-        let pose = |rotation, position_m| Pose {
-            rotation,
-            position_m,
-        };
-        [pose(rotations[0], -half_m), pose(rotations[1], half_m)]
+        self.mount().poses(&(self.position_mm / 1000.0))
     }
 }
 

@@ -1,6 +1,6 @@
 use nalgebra::{Rotation3, Vector3};
+use tectum_optics::CameraModel;
 use tectum_optics::camera::Ocam;
-use tectum_optics::{CameraModel, Pose, Side};
 
 use super::*;
 use crate::solve::{self, Options};
@@ -188,94 +188,5 @@ fn too_few_pairs_and_views_that_are_no_pairs_are_refused() {
             left: 16,
             right: 15
         }
-    );
-}
-
-#[test]
-fn mount_angles_come_back() {
-    for (psi_deg, tau_deg) in [(25.7f64, 29.15f64), (0.0, 0.0), (60.0, -20.0), (-10.0, 5.0)] {
-        let (psi, tau) = (psi_deg.to_radians(), tau_deg.to_radians());
-        let [left, right] =
-            [Side::Left, Side::Right].map(|side| Pose::mount_rotation(side, psi, tau));
-        let to_the_right = left.inverse() * -nalgebra::Vector3::y();
-        let fit = MountFit::of(&(left.inverse() * right), &to_the_right);
-        assert_eq!((fit.quarter_turns, fit.is_swapped), ([0, 0], false));
-        // Rounding of an arc cosine near half a turn.
-        assert!(
-            (fit.psi_rad - psi).abs() < 1e-7,
-            "{psi_deg} {tau_deg} {fit:?}"
-        );
-        assert!(
-            (fit.tau_rad - tau).abs() < 1e-7,
-            "{psi_deg} {tau_deg} {fit:?}"
-        );
-        assert!(fit.rest_rad < 1e-7);
-        let odd = Rotation3::from_euler_angles(0.01, -0.02, 0.015);
-        let relative = left.inverse() * right * odd;
-        let fit = MountFit::of(&relative, &to_the_right);
-        let again = fit.rotations[0].inverse() * fit.rotations[1];
-        // Rounding of rotation vectors near half a turn.
-        assert!((again.matrix() - relative.matrix()).norm() < 1e-7);
-        assert!(fit.rest_rad < 0.03);
-    }
-}
-
-/// Eyes at yaw 50 and -50 degrees, 72 mm apart, whose cameras are built in turned about their axes.
-#[test]
-fn cameras_turned_about_their_axes_are_told() {
-    let yaw = 50f64.to_radians();
-    let upright = [Side::Left, Side::Right]
-        .map(|side| Pose::mount_rotation(side, std::f64::consts::PI - 2.0 * yaw, 0.0));
-    let odd = Rotation3::from_euler_angles(0.02, -0.03, 0.01);
-    for turns in [[0u8, 2], [2, 0], [0, 1], [3, 0], [1, 1], [0, 0]] {
-        let angle = |eye: usize| f64::from(turns[eye]) * std::f64::consts::FRAC_PI_2;
-        let [left, right] = [0, 1].map(|eye: usize| {
-            upright[eye] * Rotation3::from_axis_angle(&nalgebra::Vector3::z_axis(), angle(eye))
-        });
-        let right = odd * right;
-        let position = left.inverse() * nalgebra::Vector3::new(0.0, -72.0, 0.0);
-        let fit = MountFit::of(&(left.inverse() * right), &position);
-        assert_eq!(fit.quarter_turns, turns, "{fit:?}");
-        assert!(!fit.is_swapped && fit.is_symmetric());
-        // The body's axes: half of what is odd about the right eye goes to each.
-        for (found, truth) in fit.rotations.iter().zip([left, right]) {
-            assert!(
-                (found.inverse() * truth).scaled_axis().norm() < 0.03,
-                "{turns:?}"
-            );
-        }
-        let said = fit.remarks().len();
-        assert_eq!(said, turns.iter().filter(|turns| **turns > 0).count());
-    }
-    // Turned against each other by a quarter each (an exact half turn between the cameras here) they are,
-    // to the pictures, upright eyes that look aside
-    // and up, as a mount's tau may have them: upright comes first.
-    let quarter = |by: f64| Rotation3::from_axis_angle(&nalgebra::Vector3::z_axis(), by);
-    let [left, right] = [(0, 1.0), (1, -1.0)].map(|(eye, sign): (usize, f64)| {
-        upright[eye] * quarter(sign * std::f64::consts::FRAC_PI_2)
-    });
-    let position = left.inverse() * nalgebra::Vector3::new(0.0, -72.0, 0.0);
-    let fit = MountFit::of(&(left.inverse() * right), &position);
-    assert_eq!((fit.quarter_turns, fit.is_swapped), ([0, 0], false));
-    assert!(
-        (fit.tau_rad - (90f64 - 50.0).to_radians()).abs() < 1e-6,
-        "{fit:?}"
-    );
-    // Left and right given the other way round: nothing but the line between them tells.
-    let [right, left] = upright;
-    let position = left.inverse() * nalgebra::Vector3::new(0.0, 72.0, 0.0);
-    let fit = MountFit::of(&(left.inverse() * right), &position);
-    assert!(
-        fit.is_swapped && fit.remarks()[0].contains("swapped"),
-        "{fit:?}"
-    );
-    // No mount at all.
-    let slanted = Rotation3::from_euler_angles(0.8, 0.0, 0.0);
-    let fit = MountFit::of(&slanted, &nalgebra::Vector3::x());
-    assert!(!fit.is_symmetric());
-    assert!(
-        fit.remarks()
-            .iter()
-            .any(|text| text.contains("body's axes"))
     );
 }

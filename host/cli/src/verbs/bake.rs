@@ -27,7 +27,7 @@ const BYTES_PER_PIXEL: usize = 135;
     tectum bake rig.toml -o scaled.tct --scales=15           lines every 15 degrees, drawn on the fish\n  \
     tectum bake rig.toml -o large.tct --size 1280x640 --max-error 0.035 --json")]
 pub struct Args {
-    /// Rig file
+    /// Rig file, or a calibration of Kalibr, OpenCV or Basalt with two cameras
     rig: PathBuf,
     /// Table to write
     #[arg(short, long, value_name = "T.tct")]
@@ -48,7 +48,7 @@ pub struct Args {
 
 /// Bakes and writes.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
-    let rig = Rig::load(&args.rig)?;
+    let rig = files::rig(&args.rig)?;
     files::check_outputs([&args.output], files::rig_inputs(&args.rig))?;
     let options = BakeOptions {
         output: args.picture.output_map(&rig)?,

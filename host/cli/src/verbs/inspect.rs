@@ -24,10 +24,14 @@ use crate::{draw, files, pictures};
 #[command(after_help = "EXAMPLES:\n  \
     tectum inspect fish.tct\n  \
     tectum inspect fish.tct --pictures out    draws out/ownership.png, out/mesh-left.png, ...\n  \
-    tectum inspect rig.toml --json")]
+    tectum inspect rig.toml --json\n  \
+    tectum inspect camchain.yaml -o rig.toml  a chain of Kalibr as a rig file, to be edited")]
 pub struct Args {
-    /// Table (.tct) or rig (.toml)
+    /// Table or rig; a rig is also a calibration of Kalibr, OpenCV or Basalt with two cameras
     file: PathBuf,
+    /// Rig file to write: the rig in whole, the files of its eyes within it
+    #[arg(short, long, value_name = "RIG.toml")]
+    output: Option<PathBuf>,
     /// Folder for pictures of a table: who owns which pixel, and both meshes
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
@@ -36,15 +40,21 @@ pub struct Args {
 /// Inspects.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let bytes = files::read(&args.file)?;
-    let is_toml = args
-        .file
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    if is_toml {
+    // A table is no text; one that should be a table by its name is told why it is none.
+    let named_table = args.file.extension().is_some_and(|e| e == "tct");
+    if !named_table && std::str::from_utf8(&bytes).is_ok() && Tables::parse(&bytes).is_err() {
         if args.pictures.is_some() {
             return Err(Usage("--pictures goes with a table, not with a rig".into()).into());
         }
-        return rig(&Rig::load(&args.file)?, &args.file);
+        let found = files::rig(&args.file)?;
+        if let Some(output) = &args.output {
+            files::check_outputs([output], files::rig_inputs(&args.file))?;
+            files::write(output, found.to_toml()?.as_bytes())?;
+        }
+        return rig(&found, &args.file);
+    }
+    if args.output.is_some() {
+        return Err(Usage("--output goes with a rig, not with a table".into()).into());
     }
     let tables = files::table(&bytes, &args.file)?;
     if let Some(folder) = &args.pictures {
@@ -280,6 +290,7 @@ fn rig(rig: &Rig, file: &Path) -> anyhow::Result<Report> {
         // TOML knows an infinite distance, JSON does not.
         "stitch_distance_m": rig.stitch_distance_m.is_finite().then_some(rig.stitch_distance_m),
         "eyes": eyes,
+        "remarks": rig.remarks(),
     });
     Ok(Report::new(text, json))
 }

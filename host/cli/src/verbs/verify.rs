@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use anyhow::Context;
 use serde_json::json;
 use tectum_bake::{Verification, verify};
-use tectum_optics::Rig;
 use tectum_scene::Scene;
 
 use crate::frames::Frames;
@@ -40,7 +39,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let bytes = files::read(&args.table)?;
     let tables = files::table(&bytes, &args.table)?;
-    let rig = args.rig.as_deref().map(Rig::load).transpose()?;
+    let rig = args.rig.as_deref().map(files::rig).transpose()?;
     let progress = Progress::new(2);
     progress.step("frames");
     let (frames, source) = if args.left.is_some() || args.right.is_some() {

@@ -51,7 +51,7 @@ pub struct Args {
 
 /// Converts and writes.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
-    let air = CalibratedEye::load(&args.eye)?;
+    let air = files::eye(&args.eye)?;
     if air.medium != Medium::Air {
         bail!(
             "{}: it was calibrated in {}: needed is an eye calibrated in air",
@@ -77,6 +77,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             calibration.standard_errors.clear();
             calibration
         }),
+        remarks: Vec::new(),
     };
     let text = format!(
         "# {label}. For measurements calibrate in water.\n{}",

@@ -25,6 +25,9 @@ pub struct Shot {
     /// Turn of the board about its columns and its rows, away from facing the camera, degrees.
     pub tilt_deg: [f64; 2],
     pub distance_mm: f64,
+    /// Where another camera stands that looks the same way: right of, below and ahead of the one that the
+    /// others are said of, mm.
+    pub from_mm: [f64; 3],
 }
 
 /// Eleven different views of a board of `columns` x `rows` inner corners, all over the picture.
@@ -47,6 +50,7 @@ pub fn session(board: [u32; 2]) -> Vec<Shot> {
         at_deg,
         tilt_deg,
         distance_mm,
+        from_mm: [0.0; 3],
     };
     places.map(shot).to_vec()
 }
@@ -74,7 +78,8 @@ impl Shot {
         let towards = turn(self.at_deg);
         // The board's frame: z is its normal, x and y run along its rows and columns.
         let to_board: Rotation3<f64> = (towards * turn(self.tilt_deg)).inverse();
-        let middle = to_board * (towards * Vector3::z() * self.distance_mm);
+        let middle = towards * Vector3::z() * self.distance_mm - Vector3::from(self.from_mm);
+        let middle = to_board * middle;
         let reflectance = |x: f64, y: f64| -> f64 {
             let Ok(ray) = lens.unproject([x, y]) else {
                 return 0.0;

@@ -3,6 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
+use tectum_optics::Rig;
 
 use crate::boards::{self, Shot};
 use crate::common::Bench;
@@ -213,22 +214,97 @@ fn mirrored_pictures_are_told_by_a_marker() {
             .unwrap();
     }
     assert_fails(&bench, &run, &["shots/00.png", "mirrored"], true);
+    let json = bench.json("detect shots --markers DICT_4X4_50");
+    assert_eq!(json["mirrored"], "shots/00.png");
 }
 
+/// The right eye 60 mm beside the left one, both of one kind and looking the same way.
 #[test]
-fn two_eyes_at_one_place_are_a_rig_without_a_baseline() {
+fn two_eyes_are_a_rig_and_all_files() {
+    const BASELINE_MM: f64 = 60.0;
     let shots = boards::session([8, 6]);
     let bench = bench(&shots);
-    boards::write(&bench.path("other"), &shots[..10]);
-    let run = "calibrate --left shots --right other --board 8x6 --square-mm 30 --model ocam \
-               -o both.toml";
+    let beside: Vec<Shot> = shots[..10]
+        .iter()
+        .map(|shot| Shot {
+            from_mm: [BASELINE_MM, 0.0, 0.0],
+            ..*shot
+        })
+        .collect();
+    boards::write(&bench.path("other"), &beside);
+    bench.done("board --board 8x6 --square-mm 30 -o board.pdf");
+    // A decomposed accent in the rig's name.
+    let run = "calibrate --left shots --right other --board board.json --model ocam \
+               -o e\u{301}.toml --calib-results c.txt --opencv o.yml --kalibr k.yaml \
+               --report r.html";
     let json = bench.json(run);
     assert_eq!(json["pairs_used"], 10, "{json}");
     assert_eq!(json["unpaired"][0], "shots/10.png");
-    // Both eyes see the same pictures: nothing but the eleventh board can part them.
-    assert!(number(&json, "/baseline_mm") < 0.5, "{json}");
+    // Corners of a sharp drawing, ten boards.
+    assert!(
+        (number(&json, "/baseline_mm") - BASELINE_MM).abs() < 0.3,
+        "{json}"
+    );
     assert!((number(&json, "/psi_deg") - 180.0).abs() < 0.1, "{json}");
-    assert!(bench.done("inspect both.toml").contains("ocam"));
+    let files = [
+        "e\u{301}.toml",
+        "e\u{301}-left.toml",
+        "e\u{301}-right.toml",
+        "c-left.txt",
+    ];
+    let others = ["c-right.txt", "o.yml", "k.yaml", "r.html"];
+    let files: Vec<&str> = files.into_iter().chain(others).collect();
+    assert_eq!(json["files"], serde_json::json!(files));
+
+    let own = Rig::load(&bench.path("e\u{301}.toml")).unwrap();
+    assert_eq!(own.name, "e\u{301}");
+    for file in ["o.yml", "k.yaml"] {
+        // Another lens, the same eyes: what the models differ by is far below a pixel.
+        let rig = Rig::load(&bench.path(file)).unwrap();
+        for (a, b) in [(&rig.left, &own.left), (&rig.right, &own.right)] {
+            let [a, b] = [a, b].map(|eye| eye.as_ref().unwrap().pose);
+            let off_mm = (a.position_m - b.position_m).norm() * 1e3;
+            let turn = (a.rotation.inverse() * b.rotation).angle().to_degrees();
+            assert!(
+                off_mm < 0.5 && turn < 0.3,
+                "{file}: {off_mm} mm, {turn} degrees"
+            );
+        }
+        let output = bench.run(&format!("inspect {file} -o {file}.toml"));
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            output.status.success() && told.starts_with("note: "),
+            "{told}"
+        );
+        assert!(told.contains("the first camera is the left eye"), "{told}");
+        let written = Rig::load(&bench.path(&format!("{file}.toml"))).unwrap();
+        assert_eq!((&written.left, &written.right), (&rig.left, &rig.right));
+        assert!(written.name == rig.name && written.remarks().is_empty());
+    }
+    let page = fs::read_to_string(bench.path("r.html")).unwrap();
+    for part in [
+        "Rig e\u{301}",
+        "10 <small>of 10</small>",
+        "Eye left",
+        "Eye right",
+        "shots/10.png",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    // One eye's file is no rig, two eyes' is no eye.
+    let refused = bench.refused(1, "bake c-left.txt -o x.tct");
+    assert!(
+        refused.contains("OCamCalib") && refused.contains("an eye"),
+        "{refused}"
+    );
+    let refused = bench.refused(1, "water k.yaml --kappa 0.5 -o x.toml");
+    assert!(
+        refused.contains("Kalibr") && refused.contains("a rig"),
+        "{refused}"
+    );
+    let water = bench.run("water c-left.txt --kappa 0.2 -o w.toml");
+    assert!(water.status.success(), "{water:?}");
+
     fs::rename(bench.path("other"), bench.path("shots/sub")).unwrap();
     fs::create_dir(bench.path("other")).unwrap();
     fs::copy(bench.path("shots/00.png"), bench.path("other/b77.png")).unwrap();
@@ -237,6 +313,30 @@ fn two_eyes_at_one_place_are_a_rig_without_a_baseline() {
         message.contains("no two pictures belong together"),
         "{message}"
     );
+    let message = bench.refused(2, &run.replace("board.json", "8x6"));
+    assert!(message.contains("--square-mm"), "{message}");
+}
+
+#[test]
+fn deep_pictures_show_what_is_there_and_damaged_ones_are_named() {
+    let shots = boards::session([8, 6]);
+    let bench = bench(&[]);
+    // As a camera of 10 bits leaves it in a file of 16.
+    let picture = shots[0].draw(boards::SIZE_PX);
+    let deep = image::ImageBuffer::from_fn(picture.width(), picture.height(), |x, y| {
+        image::Luma([u16::from(picture[(x, y)].0[0]) << 2 | 1])
+    });
+    deep.save(bench.path("shots/deep.png")).unwrap();
+    picture.save(bench.path("shots/whole.jpg")).unwrap();
+    let jpeg = fs::read(bench.path("shots/whole.jpg")).unwrap();
+    fs::write(bench.path("shots/cut.jpg"), &jpeg[..jpeg.len() / 2]).unwrap();
+    let json = bench.json("detect shots --board 8x6");
+    assert_eq!(json["skipped"][0]["file"], "shots/cut.jpg", "{json}");
+    let found = json["pictures"].as_array().unwrap();
+    let corners = found
+        .iter()
+        .map(|picture| picture["corners"].as_array().map(Vec::len));
+    assert_eq!(corners.collect::<Vec<_>>(), [Some(48), Some(48)], "{json}");
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use super::kalibr::without_header;
 use super::ocam_calib::OcamCalib;
-use super::opencv_yaml::FileStorage;
-use super::{CalibFileError, CalibratedCamera, basalt, kalibr};
+use super::opencv::FileStorage;
+use super::{CalibFileError, CalibratedCamera, CameraChain, basalt, kalibr};
 use crate::camera::CameraModel;
 
 /// Formats of other tools.
@@ -15,7 +15,7 @@ pub enum Format {
     Kalibr,
     /// `FileStorage` YAML of OpenCV, or `camera_info` YAML of ROS.
     OpenCv,
-    /// `FileStorage` XML of OpenCV, which is recognised and not read.
+    /// `FileStorage` XML of OpenCV.
     OpenCvXml,
     /// Calibration JSON of Basalt.
     Basalt,
@@ -55,22 +55,30 @@ impl Format {
             return Some(Self::OcamCalib);
         }
         let keys = || std::iter::once(first).chain(lines.clone());
-        if keys().any(|line| line.trim_end() == "cam0:") {
+        if keys().any(|line| line.starts_with("cam0:")) {
             return Some(Self::Kalibr);
         }
         let is_camera = |line: &str| {
-            ["K:", "camera_matrix:", "K1:", "M1:", "distortion_model:"]
-                .iter()
-                .any(|key| line.starts_with(key))
+            [
+                "K:",
+                "camera_matrix:",
+                "Camera_Matrix:",
+                "K1:",
+                "M1:",
+                "cameraMatrix1:",
+                "distortion_model:",
+            ]
+            .iter()
+            .any(|key| line.starts_with(key))
         };
         keys().any(is_camera).then_some(Self::OpenCv)
     }
 
-    /// The cameras of a text in this format, in its order.
+    /// The cameras of a text in this format, in its order, and where the second is if the text says.
     ///
     /// # Errors
     /// [`CalibFileError`] of the format's reader.
-    pub fn cameras(self, text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
+    pub fn cameras(self, text: &str) -> Result<CameraChain, CalibFileError> {
         match self {
             Self::OcamCalib => {
                 let calib = OcamCalib::parse(text)?;
@@ -82,26 +90,12 @@ impl Format {
                 Ok(vec![CalibratedCamera {
                     model: CameraModel::Ocam(model),
                     size_px: calib.size_px,
-                }])
+                }]
+                .into())
             }
             Self::Kalibr => kalibr::parse(text),
             Self::Basalt => basalt::parse(text),
-            Self::OpenCv => {
-                let calib = FileStorage::parse(text)?.fisheye()?;
-                let size_px = calib.size_px.ok_or_else(|| CalibFileError::Missing {
-                    what: "image_width, image_height".to_owned(),
-                    expected: "the size of the calibrated pictures, px",
-                })?;
-                Ok(vec![CalibratedCamera {
-                    model: CameraModel::KannalaBrandt(calib.model),
-                    size_px,
-                }])
-            }
-            Self::OpenCvXml => Err(CalibFileError::Syntax {
-                format: "OpenCV",
-                message: "XML is not read: write the same FileStorage to a name that ends in .yml"
-                    .to_owned(),
-            }),
+            Self::OpenCv | Self::OpenCvXml => FileStorage::parse(text)?.cameras(),
         }
     }
 }
@@ -128,6 +122,14 @@ mod tests {
             (format!("%YAML:1.0\n---\n{CHAIN}"), Some(Format::Kalibr)),
             (format!("\u{feff}{CHAIN}"), Some(Format::Kalibr)),
             (format!("# made by hand\n{CHAIN}"), Some(Format::Kalibr)),
+            (
+                OPENCV
+                    .replace("camera_matrix", "Camera_Matrix")
+                    .replace("distortion_coefficients", "Distortion_Coefficients")
+                    .replace("image_width", "image_Width")
+                    .replace("image_height", "image_Height"),
+                Some(Format::OpenCv),
+            ),
             (format!("%YAML:1.0\n{OPENCV}"), Some(Format::OpenCv)),
             (format!("\u{feff}%YAML:1.0\n{OPENCV}"), Some(Format::OpenCv)),
             (OCAM.to_owned(), Some(Format::OcamCalib)),
@@ -139,7 +141,7 @@ mod tests {
             assert_eq!(Format::of(&text), format, "{text}");
             if let Some(format) = format {
                 let cameras = format.cameras(&text).unwrap();
-                let ([camera], centre) = (&cameras[..], [479.5, 359.5]) else {
+                let ([camera], centre) = (&cameras.cameras[..], [479.5, 359.5]) else {
                     panic!("{text}");
                 };
                 assert_eq!(camera.size_px, [960, 720], "{text}");
@@ -154,9 +156,14 @@ mod tests {
         assert_eq!(Format::of(&ros), Some(Format::OpenCv));
         let refused = Format::OpenCv.cameras(&ros).unwrap_err().to_string();
         assert!(refused.contains("plumb_bob"), "{refused}");
-        let xml = "<?xml version=\"1.0\"?>\n<opencv_storage>\n</opencv_storage>\n";
-        let refused = Format::of(xml).unwrap().cameras(xml).unwrap_err();
-        assert!(refused.to_string().contains(".yml"), "{refused}");
+        let perspective = format!("{OPENCV}fisheye_model: 0\n");
+        let refused = Format::OpenCv
+            .cameras(&perspective)
+            .unwrap_err()
+            .to_string();
+        assert!(refused.starts_with("fisheye_model"), "{refused}");
+        let fisheye = format!("{OPENCV}fisheye_model: 1\n");
+        assert!(Format::OpenCv.cameras(&fisheye).is_ok());
     }
 
     #[test]

@@ -1,9 +1,13 @@
-//! Basalt's calibration JSON: the cameras of it. Poses, vignetting and the IMU's part are neither
-//! read nor written.
+//! Basalt's calibration JSON: its cameras, and where the second is to the first. Vignetting and the
+//! IMU's part are neither read nor written, poses are read only.
+//!
+//! `T_imu_cam` holds a pose for each camera: it maps points from that camera's frame into the IMU's, as
+//! a translation in metres and a quaternion.
 
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{CalibFileError, CalibratedCamera, checked_size_px};
+use super::{CalibFileError, CalibratedCamera, CameraChain, RelativePose, checked_size_px};
 use crate::camera::{CameraModel, DoubleSphere, Eucm, KannalaBrandt, ParameterError};
 
 #[derive(Serialize, Deserialize)]
@@ -13,8 +17,21 @@ struct File {
 
 #[derive(Serialize, Deserialize)]
 struct Cameras {
+    #[serde(rename = "T_imu_cam", default, skip_serializing)]
+    imu_from_camera: Vec<CameraPose>,
     intrinsics: Vec<Intrinsics>,
     resolution: Vec<[i64; 2]>,
+}
+
+#[derive(Deserialize)]
+struct CameraPose {
+    px: f64,
+    py: f64,
+    pz: f64,
+    qx: f64,
+    qy: f64,
+    qz: f64,
+    qw: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -52,13 +69,14 @@ enum Intrinsics {
 ///
 /// # Errors
 /// [`CalibFileError`] if the text is not such a file, there is not one resolution to a camera, or a
-/// model is none of `ds`, `eucm`, `kb4`.
-pub fn parse(text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
+/// model is none of `ds`, `eucm`, `kb4`, or the first two poses are none.
+pub fn parse(text: &str) -> Result<CameraChain, CalibFileError> {
     let file: File = serde_json::from_str(text).map_err(|error| CalibFileError::Syntax {
         format: "Basalt",
         message: error.to_string(),
     })?;
     let Cameras {
+        imu_from_camera,
         intrinsics,
         resolution,
     } = file.value0;
@@ -70,7 +88,7 @@ pub fn parse(text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
         ));
     }
     let cameras = intrinsics.iter().zip(resolution).enumerate();
-    cameras
+    let cameras = cameras
         .map(|(index, (intrinsics, size))| {
             let model = intrinsics
                 .model()
@@ -84,10 +102,40 @@ pub fn parse(text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
                 size_px: checked_size_px(size, &place)?,
             })
         })
-        .collect()
+        .collect::<Result<Vec<_>, _>>()?;
+    let second_from_first = match &imu_from_camera[..] {
+        [first, second, ..] if cameras.len() > 1 => Some(between(first, second)?),
+        _ => None,
+    };
+    Ok(CameraChain {
+        cameras,
+        second_from_first,
+    })
 }
 
-/// A file's text.
+/// Second camera <- first camera.
+fn between(first: &CameraPose, second: &CameraPose) -> Result<RelativePose, CalibFileError> {
+    let rotation = |pose: &CameraPose, index: usize| {
+        let quaternion = Quaternion::new(pose.qw, pose.qx, pose.qy, pose.qz);
+        let length = quaternion.norm();
+        // Numbers of four digits.
+        if (length - 1.0).abs() > 1e-3 {
+            return Err(CalibFileError::value(
+                &format!("value0.T_imu_cam[{index}]"),
+                &format!("a quaternion of length {length}"),
+                "length 1",
+            ));
+        }
+        Ok(UnitQuaternion::new_normalize(quaternion).to_rotation_matrix())
+    };
+    let centre = |pose: &CameraPose| Vector3::new(pose.px, pose.py, pose.pz);
+    let second_from_imu = rotation(second, 1)?.inverse();
+    let turn = second_from_imu * rotation(first, 0)?;
+    let shift = second_from_imu * (centre(first) - centre(second));
+    RelativePose::checked(turn.matrix(), &shift, "value0.T_imu_cam[0], [1]")
+}
+
+/// A file's text: the cameras alone.
 ///
 /// # Errors
 /// [`CalibFileError::NoSuchModel`] for a model that Basalt does not have.
@@ -95,6 +143,7 @@ pub fn to_text(cameras: &[CalibratedCamera]) -> Result<String, CalibFileError> {
     let intrinsics = cameras.iter().map(|camera| Intrinsics::of(&camera.model));
     let file = File {
         value0: Cameras {
+            imu_from_camera: Vec::new(),
             intrinsics: intrinsics.collect::<Result<_, _>>()?,
             resolution: cameras.iter().map(|c| c.size_px.map(i64::from)).collect(),
         },

@@ -1,12 +1,15 @@
-//! Kalibr's camera chain (`camchain.yaml`): the cameras of it. Poses, topics and time shifts are
-//! neither read nor written.
+//! Kalibr's camera chain (`camchain.yaml`): its cameras, and where the second is. Topics, time shifts
+//! and the poses of further cameras are neither read nor written.
 //!
-//! Keys and the order of `intrinsics` are those of Kalibr's wiki page "Yaml formats".
+//! Keys and the order of `intrinsics` are those of Kalibr's wiki page "Yaml formats". `T_cn_cnm1` of
+//! camera n maps points from the frame of camera n-1 into that of camera n, in metres.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::{CalibFileError, CalibratedCamera, checked_size_px};
+use nalgebra::{Matrix4, Vector3};
+
+use super::{CalibFileError, CalibratedCamera, CameraChain, RelativePose, checked_size_px};
 use crate::camera::{CameraModel, DoubleSphere, Eucm, KannalaBrandt};
 
 /// Models in Kalibr's words.
@@ -19,19 +22,22 @@ struct Camera {
     distortion_model: String,
     distortion_coeffs: Vec<f64>,
     resolution: [i64; 2],
+    #[serde(rename = "T_cn_cnm1")]
+    from_previous: Option<[[f64; 4]; 4]>,
 }
 
 /// Cameras `cam0`, `cam1`, ... of a chain, in this order.
 ///
 /// # Errors
 /// [`CalibFileError`] if the text is not such a file, a camera's number is left out, or a model is
-/// none of `pinhole` with `equidistant`, `ds`, `eucm`.
-pub fn parse(text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
+/// none of `pinhole` with `equidistant`, `ds`, `eucm`, or `T_cn_cnm1` of the second is no pose.
+pub fn parse(text: &str) -> Result<CameraChain, CalibFileError> {
     let mut chain: BTreeMap<String, Camera> = serde_saphyr::from_str(without_header(text))
         .map_err(|error| CalibFileError::Syntax {
             format: "Kalibr",
             message: error.to_string(),
         })?;
+    let from_previous = chain.get("cam1").and_then(|camera| camera.from_previous);
     let cameras = (0..chain.len().max(1)).map(|index| {
         let name = format!("cam{index}");
         let camera = chain.remove(&name).ok_or_else(|| CalibFileError::Missing {
@@ -40,7 +46,26 @@ pub fn parse(text: &str) -> Result<Vec<CalibratedCamera>, CalibFileError> {
         })?;
         read(&name, &camera)
     });
-    cameras.collect()
+    Ok(CameraChain {
+        cameras: cameras.collect::<Result<_, _>>()?,
+        second_from_first: from_previous.map(|rows| pose(&rows)).transpose()?,
+    })
+}
+
+fn pose(rows: &[[f64; 4]; 4]) -> Result<RelativePose, CalibFileError> {
+    const PLACE: &str = "cam1: T_cn_cnm1";
+    let matrix = Matrix4::from_fn(|row, column| rows[row][column]);
+    if rows[3] != [0.0, 0.0, 0.0, 1.0] {
+        let found = format!("{:?}", rows[3]);
+        return Err(CalibFileError::value(
+            PLACE,
+            &found,
+            "a last row 0, 0, 0, 1",
+        ));
+    }
+    let rotation = matrix.fixed_view::<3, 3>(0, 0).into_owned();
+    let translation = Vector3::new(rows[0][3], rows[1][3], rows[2][3]);
+    RelativePose::checked(&rotation, &translation, PLACE)
 }
 
 /// The text without a byte-order mark and the header `%YAML:1.0`, which OpenCV's writer puts first
@@ -109,9 +134,9 @@ fn numbers<const N: usize>(
 ///
 /// # Errors
 /// [`CalibFileError::NoSuchModel`] for a model that Kalibr does not have.
-pub fn to_text(cameras: &[CalibratedCamera]) -> Result<String, CalibFileError> {
+pub fn to_text(chain: &CameraChain) -> Result<String, CalibFileError> {
     let mut text = String::new();
-    for (index, camera) in cameras.iter().enumerate() {
+    for (index, camera) in chain.cameras.iter().enumerate() {
         let mut distortion = None;
         let (kalibr_name, intrinsics) = match &camera.model {
             CameraModel::KannalaBrandt(model) => {
@@ -147,6 +172,15 @@ pub fn to_text(cameras: &[CalibratedCamera]) -> Result<String, CalibFileError> {
              resolution: {:?}",
             camera.size_px
         );
+        if let (1, Some(pose)) = (index, &chain.second_from_first) {
+            text.push_str("  T_cn_cnm1:\n");
+            let matrix = pose.rotation.matrix();
+            for (row, t) in pose.translation_m.iter().enumerate() {
+                let [x, y, z] = [0, 1, 2].map(|column| matrix[(row, column)]);
+                let _ = writeln!(text, "  - [{x:?}, {y:?}, {z:?}, {t:?}]");
+            }
+            text.push_str("  - [0.0, 0.0, 0.0, 1.0]\n");
+        }
     }
     Ok(text)
 }

@@ -3,36 +3,28 @@
 //! | Module | Files | Models |
 //! |---|---|---|
 //! | [`ocam_calib`] | `calib_results.txt` of OCamCalib | [`Ocam`](crate::camera::Ocam) |
-//! | [`opencv_yaml`] | `FileStorage` YAML of OpenCV | [`KannalaBrandt`](crate::camera::KannalaBrandt) |
+//! | [`opencv`] | `FileStorage` of OpenCV, YAML or XML | [`KannalaBrandt`](crate::camera::KannalaBrandt) |
 //! | [`kalibr`] | camera chain of Kalibr | Kannala-Brandt, double sphere, EUCM |
 //! | [`basalt`] | calibration JSON of Basalt | the same |
 //!
 //! All take and give text; [`any`] tells the format by the content. What is written reads
-//! back equal, bit by bit.
+//! back equal, bit by bit. Where a file says how its first two cameras sit to each other, that is read
+//! too ([`RelativePose`]).
 
 pub mod any;
 pub mod basalt;
+mod chain;
 mod error;
 mod inverse_polynomial;
 pub mod kalibr;
 pub mod ocam_calib;
-pub mod opencv_yaml;
+pub mod opencv;
 
+pub use chain::{CalibratedCamera, CameraChain, RelativePose};
 pub use error::CalibFileError;
-
-use crate::camera::CameraModel;
 
 /// Longest image side that is believed, px.
 pub const MAX_SIDE_PX: u16 = 16384;
-
-/// One camera of a file that holds several.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CalibratedCamera {
-    /// Ray to pixel.
-    pub model: CameraModel,
-    /// Width and height, px.
-    pub size_px: [u16; 2],
-}
 
 /// Checks a width and height, px; `place` says where they stand.
 fn checked_size_px(sides: [i64; 2], place: &str) -> Result<[u16; 2], CalibFileError> {

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::file::{EyeFile, LensFile, Medium};
-use super::{RigError, include, read};
+use super::{RigError, centre, foreign, include, read};
 use crate::camera::CameraModel;
 use crate::{Eye, Field};
 
@@ -20,6 +20,9 @@ pub struct CalibratedEye {
     pub eye: Eye,
     /// What it was made from, and how well.
     pub calibration: Option<Provenance>,
+    /// What a person should know of the file, a sentence each: what is taken for granted because another
+    /// tool's file does not say it, and what looks like a slip.
+    pub remarks: Vec<String>,
 }
 
 /// `[calibration]`: what an eye was made from, and how well.
@@ -62,12 +65,16 @@ struct File {
 }
 
 impl CalibratedEye {
-    /// Reads an eye's file.
+    /// Reads an eye's file, or a calibration of another tool that holds one camera ([`crate::io`]).
     ///
     /// # Errors
     /// [`RigError`] says which file, which key, what it says and what is allowed.
     pub fn load(path: &Path) -> Result<Self, RigError> {
-        Self::from_toml(&read::text(path)?, &path.display().to_string())
+        let (text, file) = (read::text(path)?, path.display().to_string());
+        match foreign::format(&text) {
+            Some(format) => foreign::calibrated_eye(format, &text, &file),
+            None => Self::from_toml(&text, &file),
+        }
     }
 
     /// An eye from the text of its file; `file` is its name for messages.
@@ -88,9 +95,11 @@ impl CalibratedEye {
                     .to_owned(),
             });
         }
+        let eye = read::Reader { file }.camera(&parsed.eye, "eye")?;
         Ok(Self {
             medium: parsed.medium,
-            eye: read::Reader { file }.camera(&parsed.eye, "eye")?,
+            remarks: centre::remark(&eye, "eye").into_iter().collect(),
+            eye,
             calibration: parsed.calibration,
         })
     }
@@ -192,6 +201,7 @@ mod tests {
                 standard_errors: [("centre_px[0]".to_owned(), 0.01)].into(),
                 pictures_sha256: [("a/left 01.png".to_owned(), "00ff".to_owned())].into(),
             }),
+            remarks: Vec::new(),
         }
     }
 

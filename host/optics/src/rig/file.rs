@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::stitching::StitchingFile;
+use crate::{Pose, vector_of_rotation};
 
 /// What an eye looks through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -219,4 +220,15 @@ pub struct PoseFile {
     /// Centre of projection, in the reference frame (the body's if there is none).
     #[serde(default)]
     pub position_mm: [f64; 3],
+}
+
+impl From<&Pose> for PoseFile {
+    /// In the body's own frame.
+    fn from(pose: &Pose) -> Self {
+        Self {
+            rotation_vector_rad: Some(vector_of_rotation(&pose.rotation).into()),
+            position_mm: (pose.position_m * 1000.0).into(),
+            ..Self::default()
+        }
+    }
 }

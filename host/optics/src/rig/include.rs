@@ -7,8 +7,8 @@ use toml::{Table, Value};
 
 use super::RigError;
 use super::eye_file::CalibratedEye;
-use super::file::{EyeFile, LensFile, Medium, RigFile};
-use super::read;
+use super::file::{EyeFile, Medium, RigFile};
+use super::{foreign, read};
 use crate::io::any::Format;
 
 /// The rig with its eyes' sections from the files they name; `None` if it names none, or is no
@@ -76,23 +76,13 @@ fn eye_of(path: &Path, side: &str) -> Result<(EyeFile, Option<Medium>), RigError
         let eye = CalibratedEye::from_toml(&text, &file)?;
         return Ok((EyeFile::from(&eye.eye), Some(eye.medium)));
     };
-    let cameras = format.cameras(&text).map_err(|error| RigError::Keys {
-        file: file.clone(),
-        what: format!("read as {format}: {error}"),
-    })?;
+    let cameras = foreign::cameras(format, &text, &file)?.cameras;
     let index = usize::from(side == "right").min(cameras.len().saturating_sub(1));
     let camera = cameras.get(index).ok_or_else(|| RigError::Keys {
         file,
         what: format!("{format} without a camera"),
     })?;
-    let eye = EyeFile {
-        size_px: camera.size_px.map(u32::from),
-        field_deg: None,
-        half_angles_deg: None,
-        lens: LensFile::from(&camera.model),
-        pose: None,
-    };
-    Ok((eye, None))
+    Ok((foreign::eye(camera, None), None))
 }
 
 /// The files that a rig's file names: those of its eyes and of its `[stitching]`. Empty if it
@@ -121,12 +111,6 @@ pub(super) fn another_kind(text: &str, file: &str, wanted: Kind) -> Option<RigEr
         file: file.to_owned(),
         what,
     };
-    if let Some(format) = Format::of(text) {
-        return Some(keys(format!(
-            "this is {format}: make a rig that names it, with [left] and file = \"...\", and gives \
-             medium, field_deg and poses (tables/rigs/README.md)"
-        )));
-    }
     let table = text.parse::<Table>().ok()?;
     let is_eye = table.contains_key("eye");
     let is_rig = table.contains_key("left") || table.contains_key("right");
@@ -231,8 +215,6 @@ mod tests {
     fn a_file_of_another_kind_is_told() {
         let told = |text: &str| Rig::from_toml(text, "f").unwrap_err().to_string();
         assert!(told(EYE).contains("file of one eye"), "{}", told(EYE));
-        let chain = "cam0:\n  camera_model: ds\n";
-        assert!(told(chain).contains("Kalibr"), "{}", told(chain));
         let message = load(RIG, RIG).unwrap_err();
         assert!(message.contains("this is a rig"), "{message}");
     }

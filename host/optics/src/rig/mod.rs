@@ -1,8 +1,10 @@
 //! The rig: two eyes on a body, in a medium, stitched at a distance.
 
+mod centre;
 mod error;
 mod eye_file;
 mod file;
+mod foreign;
 mod include;
 mod of_eye_files;
 mod read;
@@ -114,16 +116,21 @@ pub struct Rig {
     /// What registration found beside the poses.
     pub stitching: Option<Stitching>,
     file: RigFile,
+    remarks: Vec<String>,
 }
 
 impl Rig {
     /// Reads a rig file; its eyes may be in files of their own (`[left]` with `file = "eye.toml"`,
-    /// relative to the rig's folder).
+    /// relative to the rig's folder). A calibration of another tool with two cameras and the pose between
+    /// them is a rig as well ([`crate::io`]); [`Rig::remarks`] then says what it does not say.
     ///
     /// # Errors
     /// [`RigError`] says which file, which key, what it says and what is allowed.
     pub fn load(path: &Path) -> Result<Self, RigError> {
         let (text, file) = (read::text(path)?, path.display().to_string());
+        if let Some(format) = foreign::format(&text) {
+            return foreign::rig(format, &text, path);
+        }
         match include::resolve(&text, path)? {
             None => Self::from_toml(&text, &file),
             Some(parsed) => read::rig(parsed, &file),
@@ -148,6 +155,12 @@ impl Rig {
             })
         })?;
         read::rig(parsed, file)
+    }
+
+    /// What a person should know of the file, a sentence each: what is taken for granted because another
+    /// tool's file does not say it, and what looks like a slip.
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
     }
 
     /// The rig as text of a rig file: reading it gives an equal rig.

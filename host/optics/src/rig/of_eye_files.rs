@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::file::{Medium, PoseFile};
-use crate::{Pose, vector_of_rotation};
+use crate::Pose;
 
 /// A rig that names the files of its eyes, to be written.
 #[derive(Debug, Clone)]
@@ -43,11 +43,7 @@ impl RigOfEyeFiles<'_> {
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
         let eye = |index: usize| Eye {
             file: self.files[index],
-            pose: PoseFile {
-                rotation_vector_rad: Some(vector_of_rotation(&self.poses[index].rotation).into()),
-                position_mm: (self.poses[index].position_m * 1000.0).into(),
-                ..PoseFile::default()
-            },
+            pose: PoseFile::from(&self.poses[index]),
         };
         toml::to_string(&File {
             name: self.name,

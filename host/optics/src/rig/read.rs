@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::file::{BodyDirection, EyeFile, LensFile, MountFile, PoseFile, ReferenceFile, RigFile};
-use super::{Rig, RigError, RigEye, stitching};
+use super::{Rig, RigError, RigEye, centre, stitching};
 use crate::camera::{CameraModel, DoubleSphere, Equidistant, Eucm, KannalaBrandt, ParameterError};
 use crate::io::ocam_calib::OcamCalib;
 use crate::pose::rotation_vector;
@@ -40,6 +40,8 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
     };
     let left = eye(&parsed.left, Side::Left)?;
     let right = eye(&parsed.right, Side::Right)?;
+    let seen = [("left", &left), ("right", &right)];
+    let seen = seen.map(|(name, eye)| centre::remark(&eye.as_ref()?.eye, name));
     let folder = Path::new(file).parent().unwrap_or(Path::new(""));
     let named = parsed.stitching.as_ref();
     let stitching = named.map(|named| stitching::read(named, folder, file));
@@ -52,6 +54,7 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
         right,
         stitching: stitching.transpose()?,
         file: parsed,
+        remarks: seen.into_iter().flatten().collect(),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::file::{EyeFile, LensFile, PoseFile, RigFile};
 use super::{Rig, RigError, Stitching, StitchingFile, read};
-use crate::{Pose, vector_of_rotation};
+use crate::Pose;
 
 impl Rig {
     /// The rig with its eyes at `poses` (left, right) in the body frame; an eye that the rig does not
@@ -17,11 +17,7 @@ impl Rig {
             file.reference = None;
             for (eye, pose) in [&mut file.left, &mut file.right].into_iter().zip(poses) {
                 if let Some(eye) = eye {
-                    eye.pose = Some(PoseFile {
-                        rotation_vector_rad: Some(vector_of_rotation(&pose.rotation).into()),
-                        position_mm: (pose.position_m * 1000.0).into(),
-                        ..PoseFile::default()
-                    });
+                    eye.pose = Some(PoseFile::from(&pose));
                 }
             }
         })

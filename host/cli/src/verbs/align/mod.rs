@@ -12,7 +12,7 @@ use image::imageops::grayscale;
 use tectum_bake::output_map;
 use tectum_calibrate::BoardSize;
 use tectum_optics::design::{OrientationBoard, PitchConvention};
-use tectum_optics::{OutputMap, Rig, Side};
+use tectum_optics::{OutputMap, Side};
 use tectum_stitch::orientation::{
     Alignment, Correction, OwnScale, Placement, Shot, TurnAbout, align, corrected,
 };
@@ -149,7 +149,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let geometry_m = OrientationBoard::new(args.distance_mm / 1e3, args.square_mm / 1e3)
         .map_err(|error| Usage(error.to_string()))?;
     let placement = Placement::new(args.board, args.origin, geometry_m)?;
-    let rig = Rig::load(&args.rig)?;
+    let rig = files::rig(&args.rig)?;
     let bytes = files::read(&args.table)?;
     let tables = files::table(&bytes, &args.table)?;
     if rig.fingerprint() != tables.rig_fingerprint() {

@@ -1,5 +1,6 @@
 //! `tectum calibrate`: board pictures to an eye.
 
+mod exports;
 mod outputs;
 mod shots;
 mod stereo;
@@ -10,11 +11,12 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use tectum_calibrate::session::list;
 use tectum_calibrate::solve::{self, CalibrateError, Options, Problem};
-use tectum_calibrate::{Board, BoardSize, Calibration, Dictionary, View};
+use tectum_calibrate::{Board, Calibration, Dictionary, View};
 use tectum_optics::Medium;
 
-use crate::report::Report;
-use crate::{detecting, files};
+use crate::boards::{self, PrintedBoard};
+use crate::files;
+use crate::report::{Report, Usage};
 use shots::Shots;
 
 /// Pictures of a chessboard to a calibrated eye
@@ -24,7 +26,7 @@ use shots::Shots;
     tectum calibrate near far --board 8x6 --square-mm 30 -o left.toml --medium water\n  \
     tectum calibrate session --board 8x6 --square-mm 30 -o eye.toml \\\n      \
     --calib-results calib_results.txt --opencv opencv.yml --kalibr camchain.yaml\n  \
-    tectum calibrate --left l --right r --board 8x6 --square-mm 30 -o rig.toml\n\n\
+    tectum calibrate --left l --right r --board board.json -o rig.toml --kalibr camchain.yaml\n\n\
     A board is told by its inner corners, columns x rows: 9 x 7 squares are 8x6. 10 pictures or\n\
     more, the board tilted every way and out to the edge of the image. The lens is OCamCalib's\n\
     polynomial, its degree chosen on pictures held out, unless another model predicts those surely\n\
@@ -50,26 +52,29 @@ pub struct Args {
     /// Folder of the right eye's pictures
     #[arg(long, value_name = "DIR", requires = "left")]
     right: Option<PathBuf>,
-    /// Inner corners of the chessboard, columns x rows
-    #[arg(long, value_name = "8x6", value_parser = detecting::board)]
-    board: BoardSize,
-    /// Side of a square, measured on the print, mm
+    /// Inner corners of the chessboard, columns x rows, or the .json that `tectum board` wrote beside the
+    /// print
+    #[arg(long, value_name = "8x6", value_parser = boards::printed)]
+    board: PrintedBoard,
+    /// Side of a square, measured on the print, mm (default with a .json: as it was to be printed)
     #[arg(long, value_name = "MM", value_parser = square_mm)]
-    square_mm: f64,
+    square_mm: Option<f64>,
     /// Eye file to write
     #[arg(short, long, value_name = "EYE.toml")]
     output: PathBuf,
-    /// Report to write: one HTML page
-    #[arg(long, value_name = "FILE.html", conflicts_with = "left")]
+    /// Report to write: one HTML page, of both eyes where both are calibrated
+    #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// OCamCalib's file to write
-    #[arg(long, value_name = "FILE.txt", conflicts_with = "left")]
+    /// OCamCalib's file to write; with both eyes FILE-left.txt and FILE-right.txt
+    #[arg(long, value_name = "FILE.txt")]
     calib_results: Option<PathBuf>,
-    /// OpenCV's file to write (cv::fisheye)
-    #[arg(long, value_name = "FILE.yml", conflicts_with = "left")]
+    /// OpenCV's file to write (cv::fisheye; with both eyes K1, D1, K2, D2, and R, T from the left into
+    /// the right camera, T in mm)
+    #[arg(long, value_name = "FILE.yml")]
     opencv: Option<PathBuf>,
-    /// Kalibr's file to write (pinhole, equidistant)
-    #[arg(long, value_name = "FILE.yaml", conflicts_with = "left")]
+    /// Kalibr's file to write (pinhole, equidistant; with both eyes cam0 is the left one, and T_cn_cnm1
+    /// maps from it into the right one's frame)
+    #[arg(long, value_name = "FILE.yaml")]
     kalibr: Option<PathBuf>,
     /// Model of the eye's lens (default: the one that predicts pictures held out best)
     #[arg(long, value_enum)]
@@ -157,6 +162,10 @@ fn field_deg(text: &str) -> Result<f64, String> {
 
 /// Calibrates one eye.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
+    if args.square_mm.or(args.board.square_mm).is_none() {
+        let needed = "--square-mm is needed: the side of a square, measured on the print";
+        return Err(Usage(needed.into()).into());
+    }
     if let (Some(left), Some(right)) = (&args.left, &args.right) {
         return stereo::run(args, [left, right]);
     }
@@ -185,8 +194,9 @@ impl Args {
 
     fn board(&self) -> Board {
         Board {
-            size: self.board,
-            square_mm: self.square_mm,
+            size: self.board.size,
+            // One of both is there: that is looked at first of all.
+            square_mm: self.square_mm.or(self.board.square_mm).unwrap_or(f64::NAN),
         }
     }
 

@@ -8,7 +8,7 @@ use image::GrayImage;
 use tectum_calibrate::Calibration;
 use tectum_calibrate::report::{self, ReportInput, ReportView};
 use tectum_calibrate::solve::{AngularUncertainty, Model, Options};
-use tectum_optics::io::opencv_yaml::{FileStorage, FisheyeCalib};
+use tectum_optics::io::opencv::{FileStorage, FisheyeCalib};
 use tectum_optics::io::{CalibratedCamera, kalibr, ocam_calib::OcamCalib};
 use tectum_optics::{CalibratedEye, CameraModel, Eye, Field, Provenance};
 
@@ -54,10 +54,8 @@ pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
         let model = of_model(args, eye, Model::KannalaBrandt)?;
         if let Some(path) = &args.kalibr {
             let model = model.clone();
-            group.add(
-                path,
-                kalibr::to_text(&[CalibratedCamera { model, size_px }])?,
-            );
+            let chain = vec![CalibratedCamera { model, size_px }].into();
+            group.add(path, kalibr::to_text(&chain)?);
         }
         if let (Some(path), CameraModel::KannalaBrandt(model)) = (&args.opencv, model) {
             let calib = FisheyeCalib {
@@ -68,7 +66,7 @@ pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
         }
     }
     if let Some(path) = &args.report {
-        let html = with_report_input(args, eye, usize::MAX, report::html)?;
+        let html = with_report_input(args, eye, (&name(args), usize::MAX), report::html)?;
         group.add(path, html);
     }
     let toml = eye_file(args, &eye.calibration, eye.shots, used)?.to_toml()?;
@@ -78,10 +76,11 @@ pub fn write(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<()> {
 
 /// What the report says in words, without the report.
 pub fn verdict(args: &Args, eye: &CalibratedShots<'_>) -> anyhow::Result<report::verdict::Verdict> {
-    with_report_input(args, eye, RIM_PICTURES, report::judge)
+    with_report_input(args, eye, (&name(args), RIM_PICTURES), report::judge)
 }
 
-fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
+/// Width and height of an eye's pictures, px.
+pub fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
     let [width, height] = calibration.size_px.map(u16::try_from);
     Ok([width?, height?])
 }
@@ -89,13 +88,7 @@ fn frame_size(calibration: &Calibration) -> anyhow::Result<[u16; 2]> {
 /// The same corners' camera of a model as other programs have it: not decentred.
 fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Result<CameraModel> {
     let own = &eye.calibration.model;
-    let decentred = matches!(own, CameraModel::Ocam(lens) if lens.decentring_per_px() != [0.0; 2]);
-    let is_wanted = match own {
-        CameraModel::Ocam(_) => model == Model::Ocam,
-        CameraModel::KannalaBrandt(_) => model == Model::KannalaBrandt,
-        _ => false,
-    };
-    if is_wanted && !decentred {
+    if is_plain(own, model) {
         return Ok(own.clone());
     }
     let options = Options {
@@ -105,6 +98,15 @@ fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Res
     };
     let other = CalibratedShots::new(args, eye.shots, &options).context("export")?;
     Ok(other.calibration.model)
+}
+
+/// Whether a lens is one of `model` and not decentred.
+pub fn is_plain(lens: &CameraModel, model: Model) -> bool {
+    match lens {
+        CameraModel::Ocam(lens) => model == Model::Ocam && lens.decentring_per_px() == [0.0; 2],
+        CameraModel::KannalaBrandt(_) => model == Model::KannalaBrandt,
+        _ => false,
+    }
 }
 
 /// The eye's file; `used` are the pictures that took part, with their hashes.
@@ -123,8 +125,8 @@ pub fn eye_file<'a>(
         },
         calibration: Some(Provenance {
             made_by: concat!("tectum ", env!("CARGO_PKG_VERSION")).into(),
-            board: args.board.to_string(),
-            square_mm: args.square_mm,
+            board: args.board().size.to_string(),
+            square_mm: args.board().square_mm,
             images: shots.detections.pictures.len(),
             accepted: calibration.views_used(),
             corners: calibration.corners_used(),
@@ -135,6 +137,7 @@ pub fn eye_file<'a>(
                 .map(|(file, sha256)| (file.display().to_string(), sha256.to_owned()))
                 .collect(),
         }),
+        remarks: Vec::new(),
     })
 }
 
@@ -153,18 +156,20 @@ fn standard_errors(calibration: &Calibration) -> BTreeMap<String, f64> {
         .collect()
 }
 
-/// Calls `use_input` with the report's input; the first `most` views come with their pictures.
-fn with_report_input<T>(
+/// Name of what is calibrated, after its file.
+pub fn name(args: &Args) -> String {
+    let stem = args.output.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+/// Calls `use_input` with the report's input for an eye of a name; the first `most` views come with their
+/// pictures.
+pub fn with_report_input<T>(
     args: &Args,
     eye: &CalibratedShots<'_>,
-    most: usize,
+    (name, most): (&str, usize),
     use_input: fn(&ReportInput<'_>) -> T,
 ) -> anyhow::Result<T> {
-    let name = args
-        .output
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
     let files: Vec<String> = eye
         .views()
         .map(|(file, ..)| file.display().to_string())
@@ -185,7 +190,7 @@ fn with_report_input<T>(
         .collect();
     let uncertainty = AngularUncertainty::new(&eye.calibration);
     Ok(use_input(&ReportInput {
-        eye: &name,
+        eye: name,
         calibration: &eye.calibration,
         board: args.board(),
         medium: args.medium.into(),

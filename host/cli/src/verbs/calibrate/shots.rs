@@ -4,16 +4,11 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
-use tectum_calibrate::detect::marker::{self, MarkerOptions};
 use tectum_calibrate::session::{Detected, Detections, check_board, check_sizes, list};
 use tectum_calibrate::{Dictionary, View};
 
 use super::Args;
 use crate::detecting::{self, Targets};
-use crate::pictures;
-
-/// Pictures looked at in a mirror before markers are said to be none.
-const MIRROR_TRIES: usize = 5;
 
 /// Pictures of one eye, all of one size, some of which show the board.
 pub struct Shots {
@@ -30,7 +25,7 @@ pub fn take(args: &Args, given: &[PathBuf]) -> anyhow::Result<Shots> {
     let files = list(given)?;
     check_sizes(&files)?;
     let targets = Targets {
-        board: Some(args.board),
+        board: Some(args.board().size),
         markers: args.markers.clone(),
     };
     let folder = args.session_folder();
@@ -50,7 +45,7 @@ pub fn take(args: &Args, given: &[PathBuf]) -> anyhow::Result<Shots> {
     };
     let readable = detecting::readable(&shots.detections);
     let readable: Vec<&Detected> = readable.into_iter().map(|(_, detected)| detected).collect();
-    check_board(&readable, args.board).map_err(|error| shots.and_kept(error.into()))?;
+    check_board(&readable, args.board().size).map_err(|error| shots.and_kept(error.into()))?;
     check_mirrored(&shots, args.markers.as_ref()).map_err(|error| shots.and_kept(error))?;
     Ok(shots)
 }
@@ -113,22 +108,13 @@ fn duplicates(detections: &Detections) -> Vec<[PathBuf; 2]> {
 
 /// A chessboard looks like a chessboard in a mirror, a marker does not.
 fn check_mirrored(shots: &Shots, dictionary: Option<&Dictionary>) -> anyhow::Result<()> {
-    let found = |(_, detected): &(usize, &Detected)| !detected.found.markers.is_empty();
-    let Some(dictionary) = dictionary else {
-        return Ok(());
-    };
-    if detecting::readable(&shots.detections).iter().any(found) {
-        return Ok(());
+    let files = shots.views().map(|(file, ..)| file);
+    match detecting::mirrored(&shots.detections, dictionary, files)? {
+        None => Ok(()),
+        Some(file) => bail!(
+            "{}: the pictures are mirrored: their markers can be read only in a mirror. Switch the \
+             mirroring of the camera off and take them again",
+            file.display()
+        ),
     }
-    for (file, ..) in shots.views().take(MIRROR_TRIES) {
-        let picture = pictures::load_gray(file)?;
-        if marker::is_mirrored(&picture, dictionary, &MarkerOptions::default()) {
-            bail!(
-                "{}: the pictures are mirrored: their markers can be read only in a mirror. Switch \
-                 the mirroring of the camera off and take them again",
-                file.display()
-            );
-        }
-    }
-    Ok(())
 }

@@ -5,22 +5,30 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 use serde_json::json;
+use tectum_calibrate::report::rig::{self as rig_report, RigReportInput};
 use tectum_calibrate::session::{Pairs, list, pair_by_name};
 use tectum_calibrate::solve::{self, Problem};
 use tectum_calibrate::stereo::{self, StereoCalibration};
-use tectum_calibrate::{Calibration, View};
+use tectum_calibrate::{Calibration, View, report};
 use tectum_optics::{CameraModel, RigOfEyeFiles, vector_of_rotation};
 
 use super::shots::{self, Shots};
-use super::{Args, outputs};
+use super::{Args, CalibratedShots, exports, outputs};
 use crate::files;
 use crate::report::{Report, paths_json};
 
+/// A picture of each eye, by its index among that eye's.
+type Row = [Option<usize>; 2];
+
+/// Where the parallax of a rig stitched at infinity is told.
+const NEAR_MM: f64 = 1000.0;
+
 /// Calibrates both eyes and their relative pose.
 pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
-    let names = ["left", "right"].map(|side| eye_path(&args.output, side));
+    let names = ["left", "right"].map(|side| exports::of_eye(&args.output, side, "toml"));
     let inputs = list(&folders.map(Path::to_owned))?;
-    files::check_outputs(names.iter().chain([&args.output]), inputs)?;
+    let others = exports::files(args);
+    files::check_outputs(names.iter().chain([&args.output]).chain(&others), inputs)?;
     let [left, right] = folders.map(|folder| shots::take(args, &[folder.to_owned()]));
     let shots = [left?, right?];
     let kept = |error| shots[0].and_kept(error);
@@ -28,46 +36,55 @@ pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
     let pairs = pair_by_name(&left, &right)?;
     let of_pair = |[index, _]: &[usize; 2]| left[*index].display().to_string();
     let pictures: Vec<String> = pairs.pairs.iter().map(of_pair).collect();
-    let [left, right] = problems(args, &shots, &pairs);
+    let rows = rows(&shots, &pairs);
+    let problems = problems(args, &shots, &rows);
+    let [left, right] = &problems;
     let calibrate = |problem| solve::calibrate(problem, &args.options());
-    let eyes = [("left", &left), ("right", &right)].map(|(side, problem)| {
+    let eyes = [("left", left), ("right", right)].map(|(side, problem)| {
         let calibrated = calibrate(problem);
         calibrated.map_err(|error| kept(anyhow::anyhow!("{side} eye: {error}")))
     });
     let [left_eye, right_eye] = eyes;
     let eyes = [left_eye?, right_eye?];
-    let both = stereo::calibrate((&left, &eyes[0]), (&right, &eyes[1]));
+    let both = stereo::calibrate((left, &eyes[0]), (right, &eyes[1]));
     let both = both.map_err(|error| kept(error.into()))?;
     let mut group = outputs::Group::default();
     for (k, model) in [&both.left, &both.right].into_iter().enumerate() {
         let toml = eye_toml(args, &shots[k], &eyes[k], (model, &both.parameters[k]))?;
         group.add(&names[k], toml);
     }
+    exports::add(&mut group, args, &problems, (&eyes, &both)).map_err(kept)?;
+    if let Some(file) = &args.report {
+        let page = page(args, &shots, (&eyes, &rows), (&both, &pictures)).map_err(kept)?;
+        group.add(file, page);
+    }
     group.add(&args.output, rig(args, &both, &names)?);
     group.write()?;
-    Ok(report(args, &both, &eyes, (&pairs, &pictures), &names))
+    let written: Vec<PathBuf> = std::iter::once(&args.output)
+        .chain(&names)
+        .chain(&others)
+        .cloned()
+        .collect();
+    Ok(report(args, &both, &eyes, (&pairs, &pictures), &written))
 }
 
-/// `rig.toml` to `rig-left.toml`.
-fn eye_path(rig: &Path, side: &str) -> PathBuf {
-    let stem = rig.file_stem().unwrap_or_default().to_string_lossy();
-    rig.with_file_name(format!("{stem}-{side}.toml"))
-}
-
-/// Both eyes' corners picture by picture: pairs first, then what only one eye has, beside nothing.
-fn problems(args: &Args, shots: &[Shots; 2], pairs: &Pairs) -> [Problem; 2] {
+/// Indices of both eyes' pictures: pairs first, then what only one eye has, beside nothing.
+fn rows(shots: &[Shots; 2], pairs: &Pairs) -> Vec<Row> {
     let alone = |side: usize| {
         let paired = move |i: &usize| pairs.pairs.iter().any(|pair| pair[side] == *i);
         let count = shots[side].detections.pictures.len();
         (0..count).filter(move |i| !paired(i))
     };
     let both = pairs.pairs.iter().map(|[l, r]| [Some(*l), Some(*r)]);
-    let rows: Vec<[Option<usize>; 2]> = both
-        .chain(alone(0).map(|i| [Some(i), None]))
+    both.chain(alone(0).map(|i| [Some(i), None]))
         .chain(alone(1).map(|i| [None, Some(i)]))
-        .collect();
+        .collect()
+}
+
+/// Both eyes' corners, row by row.
+fn problems(args: &Args, shots: &[Shots; 2], rows: &[Row]) -> [Problem; 2] {
     [0, 1].map(|side| {
-        let view = |row: &[Option<usize>; 2]| -> View {
+        let view = |row: &Row| -> View {
             let seen = row[side].and_then(|index| shots[side].view(index));
             seen.cloned().unwrap_or_default()
         };
@@ -77,6 +94,49 @@ fn problems(args: &Args, shots: &[Shots; 2], pairs: &Pairs) -> [Problem; 2] {
             views: rows.iter().map(view).collect(),
         }
     })
+}
+
+/// The report of both eyes.
+fn page(
+    args: &Args,
+    shots: &[Shots; 2],
+    (eyes, rows): (&[Calibration; 2], &[Row]),
+    (both, pictures): (&StereoCalibration, &[String]),
+) -> anyhow::Result<String> {
+    let section = |side: usize, name: &str| {
+        let eye = CalibratedShots {
+            shots: &shots[side],
+            calibration: by_picture(&eyes[side], &shots[side], rows, side),
+        };
+        outputs::with_report_input(args, &eye, (name, usize::MAX), report::section)
+    };
+    let sections = [section(0, "left")?, section(1, "right")?];
+    Ok(rig_report::html(&RigReportInput {
+        rig: &outputs::name(args),
+        both,
+        eyes: [&eyes[0], &eyes[1]],
+        pairs: pictures,
+        board: args.board(),
+        medium: args.medium.into(),
+        sections: [&sections[0], &sections[1]],
+    }))
+}
+
+/// An eye's calibration with its views as its own pictures come, without the rows of the other eye.
+fn by_picture(eye: &Calibration, shots: &Shots, rows: &[Row], side: usize) -> Calibration {
+    let fit_of = |file: &Path| {
+        let mut pictures = shots.detections.pictures.iter();
+        let index = pictures.position(|picture| picture.file == file)?;
+        let row = rows.iter().position(|row| row[side] == Some(index))?;
+        eye.views.get(row).cloned()
+    };
+    Calibration {
+        views: shots
+            .views()
+            .filter_map(|(file, ..)| fit_of(file))
+            .collect(),
+        ..eye.clone()
+    }
 }
 
 fn eye_toml(
@@ -141,7 +201,8 @@ fn report(
     eyes: &[Calibration; 2],
     // And each pair's name.
     (pairs, pictures): (&Pairs, &[String]),
-    names: &[PathBuf; 2],
+    // The rig's file, both eyes', others.
+    written: &[PathBuf],
 ) -> Report {
     let mount = both.mount();
     let used = both.pairs_rms_px.iter().flatten().count();
@@ -192,7 +253,16 @@ fn report(
     for remark in &remarks {
         let _ = writeln!(text, "note: {remark}");
     }
-    for (name, eye) in names.iter().zip(eyes) {
+    if args.stitch_distance.is_none() {
+        // Seen from midway, the angle between what both eyes say of a point ahead.
+        let parallax_deg = (both.baseline_mm() / NEAR_MM).atan().to_degrees();
+        let _ = writeln!(
+            text,
+            "note: stitched at infinity: what is nearer shows twice or cut where the eyes meet, at 1 m by up \
+             to {parallax_deg:.1} degrees. --stitch-distance names the distance that is to be exact"
+        );
+    }
+    for (name, eye) in written.iter().skip(1).zip(eyes) {
         let _ = writeln!(
             text,
             "{}: {} pictures, {} corners, {:.3} px RMS alone",
@@ -253,7 +323,8 @@ fn report(
         "position_standard_error_mm": <[f64; 3]>::from(both.position_standard_error_mm),
         "left": eye(&eyes[0]),
         "right": eye(&eyes[1]),
-        "files": paths_json([&args.output, &names[0], &names[1]]),
+        "stitch_distance_m": args.stitch_distance,
+        "files": paths_json(written),
     });
     Report::new(text, json)
 }

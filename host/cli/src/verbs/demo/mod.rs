@@ -64,7 +64,14 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     let start = Instant::now();
     let (rig, rig_text) = match &args.rig {
         None => (Rig::from_toml(RIG, "the demo's rig")?, RIG.to_owned()),
-        Some(path) => (Rig::load(path)?, String::from_utf8(files::read(path)?)?),
+        Some(path) => {
+            let rig = files::rig(path)?;
+            let text = match rig.remarks() {
+                [] => String::from_utf8(files::read(path)?)?,
+                _ => rig.to_toml()?,
+            };
+            (rig, text)
+        }
     };
     let with_large = !args.fast && args.rig.is_none();
     let with_in_water = args.rig.is_none();

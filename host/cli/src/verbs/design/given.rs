@@ -1,9 +1,10 @@
 //! The eyes that are given, in one of four ways.
 
 use tectum_optics::design::{BothEyes, Mount, sensor_clip};
-use tectum_optics::{CalibratedEye, Field, Medium, Rig};
+use tectum_optics::{Field, Medium, Rig};
 
 use super::args::{Args, Range};
+use crate::files;
 use crate::report::Usage;
 
 /// Eyes that are given.
@@ -20,7 +21,7 @@ impl Given {
     /// From arguments.
     pub fn of(args: &Args) -> anyhow::Result<Self> {
         if let Some(path) = &args.rig {
-            let rig = Rig::load(path)?;
+            let rig = files::rig(path)?;
             return Ok(Self {
                 eyes: BothEyes::of_rig(&rig)?,
                 wet: rig.calibrated_in == Medium::Water,
@@ -55,7 +56,7 @@ pub fn mount(args: &Args) -> anyhow::Result<Option<Mount>> {
 
 fn field(args: &Args) -> anyhow::Result<(Field, bool)> {
     if let Some(path) = &args.eye {
-        let eye = CalibratedEye::load(path)?;
+        let eye = files::eye(path)?;
         let field = tectum_optics::design::shown_field(&eye.eye);
         return Ok((field, eye.medium == Medium::Water));
     }

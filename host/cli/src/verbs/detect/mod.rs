@@ -12,7 +12,7 @@ use tectum_calibrate::session::{Detections, list};
 use tectum_calibrate::{BoardSize, Dictionary};
 
 use crate::detecting::Targets;
-use crate::report::Report;
+use crate::report::{Report, path_json};
 use crate::{detecting, files, pictures};
 
 /// Corners of chessboards and markers in pictures, drawn and as data
@@ -75,8 +75,11 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             detecting::notes(&detections)
         );
     }
+    let files = readable.iter().map(|(index, _)| &*paths[*index]);
+    let mirrored = detecting::mirrored(&detections, args.markers.as_ref(), files)?;
     let json = json!({
         "pictures": tables::pictures(&detections),
+        "mirrored": mirrored.map(path_json),
         "skipped": detecting::skipped_json(&detections),
     });
     for file in &csv {
@@ -90,7 +93,15 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             pictures::save(&drawings[*index], picture)?;
         }
     }
-    Ok(Report::new(text(args, &detections), json))
+    let mut text = text(args, &detections);
+    if let Some(file) = mirrored {
+        let _ = writeln!(
+            text,
+            "{}: mirrored: its markers can be read only in a mirror. Switch the mirroring of the camera off",
+            file.display()
+        );
+    }
+    Ok(Report::new(text, json))
 }
 
 /// `DIR/NAME.png`, numbered where two pictures have the same name.

@@ -85,7 +85,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         files::check_outputs([output], inputs.chain(files::rig_inputs(&args.rig)))?;
     }
     let detectors = detectors(args)?;
-    let rig = Rig::load(&args.rig)?;
+    let rig = files::rig(&args.rig)?;
     let overlap = Overlap::new(&rig, 0.0)
         .with_context(|| format!("{}: a rig with both eyes is needed", args.rig.display()))?;
     if !overlap.exists() {

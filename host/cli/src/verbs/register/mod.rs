@@ -129,7 +129,7 @@ enum ToneName {
 
 /// Registers.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
-    let mut rig = Rig::load(&args.rig)?;
+    let mut rig = files::rig(&args.rig)?;
     // Found anew below: an earlier bend in the pictures would be measured, but not written.
     rig.stitching = None;
     let plain = rig.clone();

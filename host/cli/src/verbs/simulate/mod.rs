@@ -8,7 +8,6 @@ use clap::ValueEnum;
 use image::{ImageBuffer, Luma};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::json;
-use tectum_optics::Rig;
 use tectum_optics::convention::yaw_pitch;
 use tectum_scene::{RenderOptions, Rendered, Scene, Seen, Truth, Wall, camera, render};
 
@@ -86,7 +85,7 @@ enum MotionName {
 
 /// Simulates.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
-    let rig = Rig::load(&args.rig)?;
+    let rig = files::rig(&args.rig)?;
     let written = ["scene.toml", "left.png", "right.png"].map(|name| args.output.join(name));
     let inputs = files::rig_inputs(&args.rig);
     files::check_outputs(&written, inputs.iter().chain(&args.scene))?;

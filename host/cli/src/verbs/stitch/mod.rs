@@ -12,7 +12,6 @@ use serde_json::json;
 use tectum_bake::convert::{from_rgb8, to_rgb8};
 use tectum_bake::{Format, Pair, Pass, stitch};
 use tectum_core::{Eye, Sampler};
-use tectum_optics::Rig;
 use tectum_stitch::registration::planar::{self, PlanarOptions};
 
 use crate::cameras::{CameraOptions, Limits, LiveScales, ViewArgs};
@@ -196,7 +195,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
 
 /// The paper's way, from the rig alone.
 fn planar(args: &Args) -> anyhow::Result<Report> {
-    let rig = Rig::load(&args.table)?;
+    let rig = files::rig(&args.table)?;
     let both = args.picture.as_ref();
     let file = |own: &Option<PathBuf>, name: &str| {
         let file = own.as_ref().or(both).cloned();

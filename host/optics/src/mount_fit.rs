@@ -1,7 +1,9 @@
-//! Mount angles of a relative rotation.
+//! Two eyes' relative pose to a body: the symmetric mount that is nearest to it.
 
 use nalgebra::{Rotation3, Vector3};
-use tectum_optics::{Pose, Side, vector_of_rotation};
+
+use crate::pose::{rotation_about, rotation_vector};
+use crate::{Pose, Side, vector_of_rotation};
 
 /// A symmetric mount (Tong et al. 2024, Sec. 2) and what it leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +61,20 @@ impl MountFit {
             order(a).cmp(&order(b)).then(rest)
         });
         best.unwrap_or(upright)
+    }
+
+    /// Poses of the left and the right eye in the mount's body frame, whose origin is midway between the
+    /// eyes; `position_m` is the right eye's centre in the left camera's frame, m.
+    pub fn poses(&self, position_m: &Vector3<f64>) -> [Pose; 2] {
+        let half_m = self.rotations[0] * position_m / 2.0;
+        let pose = |rotation, position_m| Pose {
+            rotation,
+            position_m,
+        };
+        [
+            pose(self.rotations[0], -half_m),
+            pose(self.rotations[1], half_m),
+        ]
     }
 
     /// Whether the eyes are mounted alike, so that the body's axes follow from them.
@@ -120,8 +136,8 @@ impl MountFit {
         }
         if !self.is_symmetric() {
             remarks.push(format!(
-                "the eyes are {:.0} degrees off any symmetric mount, so the body's axes cannot be had \
-                 from these pictures: give each eye its pose in the rig, or use `tectum align`",
+                "the eyes are {:.0} degrees off any symmetric mount, so the body's axes do not \
+                 follow from them: give each eye its pose in the rig, or use `tectum align`",
                 self.rest_rad.to_degrees()
             ));
         }
@@ -133,7 +149,7 @@ impl MountFit {
         // The camera <- the same camera, upright.
         let upright = turns.map(|turns| {
             let angle = -f64::from(turns) * std::f64::consts::FRAC_PI_2;
-            Rotation3::from_axis_angle(&Vector3::z_axis(), angle)
+            rotation_about('z', angle)
         });
         let between = upright[0].inverse() * left_from_right * upright[1];
         let (psi_rad, tau_rad, rotations, rest_rad) = nearest(&between);
@@ -171,7 +187,101 @@ fn nearest(left_from_right: &Rotation3<f64>) -> (f64, f64, [Rotation3<f64>; 2], 
         [Side::Left, Side::Right].map(|side| Pose::mount_rotation(side, psi_rad, tau_rad));
     // What is left in the body frame: left R_LR right^T.
     let rest = vector_of_rotation(&(left * left_from_right * right.inverse()));
-    let half = Rotation3::from_scaled_axis(rest / 2.0);
+    let half = rotation_vector(&(rest / 2.0));
     let rotations = [half.inverse() * left, half * right];
     (psi_rad, tau_rad, rotations, rest.norm())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mount_angles_come_back() {
+        for (psi_deg, tau_deg) in [(25.7f64, 29.15f64), (0.0, 0.0), (60.0, -20.0), (-10.0, 5.0)] {
+            let (psi, tau) = (psi_deg.to_radians(), tau_deg.to_radians());
+            let [left, right] =
+                [Side::Left, Side::Right].map(|side| Pose::mount_rotation(side, psi, tau));
+            let to_the_right = left.inverse() * -Vector3::y();
+            let fit = MountFit::of(&(left.inverse() * right), &to_the_right);
+            assert_eq!((fit.quarter_turns, fit.is_swapped), ([0, 0], false));
+            // Rounding of an arc cosine near half a turn.
+            assert!(
+                (fit.psi_rad - psi).abs() < 1e-7,
+                "{psi_deg} {tau_deg} {fit:?}"
+            );
+            assert!(
+                (fit.tau_rad - tau).abs() < 1e-7,
+                "{psi_deg} {tau_deg} {fit:?}"
+            );
+            assert!(fit.rest_rad < 1e-7);
+            let odd = Rotation3::from_euler_angles(0.01, -0.02, 0.015);
+            let relative = left.inverse() * right * odd;
+            let fit = MountFit::of(&relative, &to_the_right);
+            let again = fit.rotations[0].inverse() * fit.rotations[1];
+            // Rounding of rotation vectors near half a turn.
+            assert!((again.matrix() - relative.matrix()).norm() < 1e-7);
+            assert!(fit.rest_rad < 0.03);
+        }
+    }
+
+    /// Eyes at yaw 50 and -50 degrees, 72 mm apart, whose cameras are built in turned about their axes.
+    #[test]
+    fn cameras_turned_about_their_axes_are_told() {
+        let yaw = 50f64.to_radians();
+        let upright = [Side::Left, Side::Right]
+            .map(|side| Pose::mount_rotation(side, std::f64::consts::PI - 2.0 * yaw, 0.0));
+        let odd = Rotation3::from_euler_angles(0.02, -0.03, 0.01);
+        for turns in [[0u8, 2], [2, 0], [0, 1], [3, 0], [1, 1], [0, 0]] {
+            let angle = |eye: usize| f64::from(turns[eye]) * std::f64::consts::FRAC_PI_2;
+            let [left, right] = [0, 1].map(|eye: usize| {
+                upright[eye] * Rotation3::from_axis_angle(&Vector3::z_axis(), angle(eye))
+            });
+            let right = odd * right;
+            let position = left.inverse() * Vector3::new(0.0, -72.0, 0.0);
+            let fit = MountFit::of(&(left.inverse() * right), &position);
+            assert_eq!(fit.quarter_turns, turns, "{fit:?}");
+            assert!(!fit.is_swapped && fit.is_symmetric());
+            // The body's axes: half of what is odd about the right eye goes to each.
+            for (found, truth) in fit.rotations.iter().zip([left, right]) {
+                assert!(
+                    (found.inverse() * truth).scaled_axis().norm() < 0.03,
+                    "{turns:?}"
+                );
+            }
+            let said = fit.remarks().len();
+            assert_eq!(said, turns.iter().filter(|turns| **turns > 0).count());
+        }
+        // Turned against each other by a quarter each (an exact half turn between the cameras here) they are,
+        // to the pictures, upright eyes that look aside
+        // and up, as a mount's tau may have them: upright comes first.
+        let quarter = |by: f64| Rotation3::from_axis_angle(&Vector3::z_axis(), by);
+        let [left, right] = [(0, 1.0), (1, -1.0)].map(|(eye, sign): (usize, f64)| {
+            upright[eye] * quarter(sign * std::f64::consts::FRAC_PI_2)
+        });
+        let position = left.inverse() * Vector3::new(0.0, -72.0, 0.0);
+        let fit = MountFit::of(&(left.inverse() * right), &position);
+        assert_eq!((fit.quarter_turns, fit.is_swapped), ([0, 0], false));
+        assert!(
+            (fit.tau_rad - (90f64 - 50.0).to_radians()).abs() < 1e-6,
+            "{fit:?}"
+        );
+        // Left and right given the other way round: nothing but the line between them tells.
+        let [right, left] = upright;
+        let position = left.inverse() * Vector3::new(0.0, 72.0, 0.0);
+        let fit = MountFit::of(&(left.inverse() * right), &position);
+        assert!(
+            fit.is_swapped && fit.remarks()[0].contains("swapped"),
+            "{fit:?}"
+        );
+        // No mount at all.
+        let slanted = Rotation3::from_euler_angles(0.8, 0.0, 0.0);
+        let fit = MountFit::of(&slanted, &Vector3::x());
+        assert!(!fit.is_symmetric());
+        assert!(
+            fit.remarks()
+                .iter()
+                .any(|text| text.contains("body's axes"))
+        );
+    }
 }
