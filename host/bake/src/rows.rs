@@ -8,7 +8,8 @@ use crate::sights::Sights;
 
 /// How far the transition of a seam map may move along a row so that rows can share their runs: a
 /// pixel for this many of the output's width, and at least one. A seam is cut where both eyes look
-/// alike, so a third of a degree beside it is as good.
+/// alike, so a third of a degree beside it is as good. Up and down it may move by half of that, in
+/// whole pixels: rows that share runs make steps of a level seam, which show more.
 const WIDTH_PER_SHIFT_PX: usize = 1024;
 /// Rows that share their runs, at most: bounds the work where a seam runs straight down.
 const MAX_SHARING: usize = 32;
@@ -54,15 +55,14 @@ impl Weights {
     }
 
     /// The same with neighbouring rows made equal wherever one row's runs serve the others: no weight
-    /// is farther than `tolerance` beyond what the row has a shift away ([`WIDTH_PER_SHIFT_PX`]), and
-    /// no eye shows what it does not see. A table stores equal rows once.
+    /// is farther than `tolerance` beyond what lies a shift away ([`WIDTH_PER_SHIFT_PX`]), and no eye
+    /// shows what it does not see. A table stores equal rows once.
     pub fn fewer_rows(&self, tolerance: f64, sights: &Sights) -> Vec<Vec<RunData>> {
         let rows = self.rows(tolerance);
         let shift_px = (self.width_px / WIDTH_PER_SHIFT_PX).max(1);
-        let ranges: Vec<Vec<[f64; 2]>> = self
-            .values
-            .par_chunks_exact(self.width_px)
-            .map(|row| ranges(row, shift_px, tolerance))
+        let ranges: Vec<Vec<[f64; 2]>> = (0..rows.len())
+            .into_par_iter()
+            .map(|row| self.ranges(row, shift_px, tolerance))
             .collect();
         let serves = |row: usize, runs: &[RunData]| {
             let first = row * self.width_px;
@@ -96,18 +96,33 @@ impl Weights {
         }
         shared
     }
-}
 
-/// Least and greatest weight that a pixel may have: of the row within `shift_px`, and `tolerance`.
-fn ranges(row: &[f64], shift_px: usize, tolerance: f64) -> Vec<[f64; 2]> {
-    let range = |x: usize| {
-        let near = &row[x.saturating_sub(shift_px)..(x + shift_px + 1).min(row.len())];
-        // NaN is passed over by both.
-        let low = near.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        [low - tolerance, high + tolerance]
-    };
-    (0..row.len()).map(range).collect()
+    /// Least and greatest weight that each pixel of a row may have: of what lies within `shift_px`,
+    /// and `tolerance`.
+    fn ranges(&self, row: usize, shift_px: usize, tolerance: f64) -> Vec<[f64; 2]> {
+        let width = self.width_px;
+        let height = self.values.len() / width;
+        let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; width];
+        let most_px = shift_px / 2;
+        for other in row.saturating_sub(most_px)..(row + most_px + 1).min(height) {
+            let down_px = row.abs_diff(other);
+            let across_px = (shift_px * shift_px - down_px * down_px).isqrt();
+            let values = &self.values[other * width..(other + 1) * width];
+            for (x, [low, high]) in ranges.iter_mut().enumerate() {
+                let near = x.saturating_sub(across_px)..(x + across_px + 1).min(width);
+                // NaN is passed over by both.
+                for value in &values[near] {
+                    *low = low.min(*value);
+                    *high = high.max(*value);
+                }
+            }
+        }
+        for [low, high] in &mut ranges {
+            *low -= tolerance;
+            *high += tolerance;
+        }
+        ranges
+    }
 }
 
 /// The left eye's weight at each pixel of a row as its runs have it; `None` where nothing is shown.
@@ -185,5 +200,36 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Where a seam lies nearly level, one row's transition is the next one's a pixel higher.
+    #[test]
+    fn rows_along_a_level_seam_share_runs_too() {
+        let (width_px, height) = (2 * WIDTH_PER_SHIFT_PX, 24);
+        let (_, sights) = leaning();
+        let sights = Sights {
+            width_px,
+            pixels: vec![sights.pixels[20]; width_px * height],
+        };
+        let at = |x: usize, y: f64| (0.5 - (y - 8.0 - x as f64 / 256.0) / 8.0).clamp(0.0, 1.0);
+        let weights = Weights::new(&sights, |x, y, _| Some(at(x, y as f64)));
+        let different = |mut rows: Vec<Vec<RunData>>| {
+            rows.dedup();
+            rows.len()
+        };
+        let exact = different(weights.rows(SEAM_MAP_TOLERANCE));
+        let rows = weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights);
+        for (y, runs) in rows.iter().enumerate() {
+            for (x, weight) in shown(runs).enumerate() {
+                let weight = weight.unwrap();
+                // A pixel up or down, and two across, which are 1/128 px of it.
+                let [low, high] = [1.01, -1.01].map(|by| at(x, y as f64 + by));
+                let beyond = (low - weight).max(weight - high);
+                assert!(beyond <= SEAM_MAP_TOLERANCE + 1e-6, "{x} {y}");
+            }
+        }
+        // A row serves the one above and the one below.
+        let shared = different(rows);
+        assert!(2 * shared <= exact, "{shared} of {exact}");
     }
 }

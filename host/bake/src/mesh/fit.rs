@@ -65,8 +65,13 @@ pub fn fit(
     for _ in 0..=POLISH_ROUNDS {
         let mut vertices = solve(&grid, targets, &weights);
         pull_in(&mut vertices, &held);
-        let data = quantise(&grid, &vertices, source_size_px)?;
-        let bytes = data.to_bytes();
+        let mut data = quantise(&grid, &vertices, source_size_px)?;
+        let mut bytes = data.to_bytes();
+        if Mesh::parse(&bytes, Eye::Left).is_err() {
+            spread(&grid, &mut vertices, &held);
+            data = quantise(&grid, &vertices, source_size_px)?;
+            bytes = data.to_bytes();
+        }
         // All else about the mesh is right by construction.
         let mesh = Mesh::parse(&bytes, Eye::Left).map_err(|_| FitError::Jump)?;
         let errors = errors(&mesh, targets);
@@ -255,6 +260,59 @@ fn pull_in(vertices: &mut [[f64; 2]], held: &[bool]) {
         });
         for (vertex, _) in vertices.iter_mut().zip(held).filter(|(_, held)| !**held) {
             vertex[axis] = vertex[axis].clamp(low, high);
+        }
+    }
+}
+
+/// Spreads vertices that no pixel depends on evenly between the others: the least sum of squared
+/// differences of neighbours. What goes on straight from both sides of a hole bulges in its middle,
+/// and neighbours there may lie farther apart than the format allows, though nothing is shown.
+fn spread(grid: &Grid, vertices: &mut [[f64; 2]], held: &[bool]) {
+    let [columns, rows] = grid.vertices();
+    let mut matrix = Banded::zero(columns * rows, columns);
+    let mut right = [0, 1].map(|axis| {
+        let kept = vertices.iter().zip(held);
+        kept.map(|(v, held)| if *held { v[axis] } else { 0.0 })
+            .collect::<Vec<f64>>()
+    });
+    for (i, held) in held.iter().enumerate() {
+        // A trace for vertices that nothing else ties.
+        matrix.add(i, i, if *held { 1.0 } else { 1e-12 });
+    }
+    let mut tie = |a: usize, b: usize| {
+        for (one, other) in [(a, b), (b, a)] {
+            if held[one] {
+                continue;
+            }
+            matrix.add(one, one, 1.0);
+            if held[other] {
+                for (right, place) in right.iter_mut().zip(vertices[other]) {
+                    right[one] += place;
+                }
+            }
+        }
+        if !held[a] && !held[b] {
+            matrix.add(b, a, -1.0);
+        }
+    };
+    for i in 0..columns * rows {
+        if i % columns + 1 < columns {
+            tie(i, i + 1);
+        }
+        if i / columns + 1 < rows {
+            tie(i, i + columns);
+        }
+    }
+    let factor = matrix
+        .factor()
+        .expect("a sum of squares with a ridge is positive definite");
+    for side in &mut right {
+        factor.solve(side);
+    }
+    let [x, y] = right;
+    for ((vertex, held), (x, y)) in vertices.iter_mut().zip(held).zip(x.into_iter().zip(y)) {
+        if !held {
+            *vertex = [x, y];
         }
     }
 }

@@ -57,3 +57,22 @@ fn a_mesh_is_exact_for_what_a_cubic_can_hold() {
     // at most 1.25 times for the vertices.
     assert!(mesh.max_error_px < 0.006, "{}", mesh.max_error_px);
 }
+
+/// What an eye shows around another eye's part of the picture is held by a mesh, however far apart
+/// the vertices over that part would lie if they went on straight.
+#[test]
+fn vertices_over_what_the_other_eye_shows_hinder_no_coarse_mesh() {
+    let all = fish_eye(2048, 1024, 1520.0);
+    // The other eye looks straight right, and shows a little more than its half: both borders of the
+    // hole lie at this eye's rim, 180 degrees apart in its picture.
+    let is_others = |x: usize, y: usize| (980..2010).contains(&x) && (40..980).contains(&y);
+    let positions = (0..1024 * 2048).map(|i| {
+        let (x, y) = (i % 2048, i / 2048);
+        all.get(x, y)
+            .filter(|_| !is_others(x, y))
+            .unwrap_or(Targets::HIDDEN)
+    });
+    let targets = Targets::new(2048, 1024, positions.collect());
+    let mesh = fit(&targets, [1520, 1520], 5, 0.05).unwrap().unwrap();
+    assert!(mesh.max_error_px <= 0.05, "{}", mesh.max_error_px);
+}

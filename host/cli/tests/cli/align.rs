@@ -23,16 +23,19 @@ fn scene(out: f64) -> String {
 fn with_boards(attitude: &str) -> Bench {
     let bench = Bench::new();
     bench.done("bake rig.toml -o fish.tct --size 640x320 --max-error 0.2");
+    stitch_boards(&bench, &format!("rig.toml --attitude {attitude}"));
+    bench
+}
+
+/// Stitches the board on each side as the eyes of `truth`, a rig and options of `simulate`, see it.
+fn stitch_boards(bench: &Bench, truth: &str) {
     for (side, out) in [("left", 1.0), ("right", -1.0)] {
         std::fs::write(bench.path("scene.toml"), scene(out)).unwrap();
-        bench.done(&format!(
-            "simulate rig.toml -o {side} --scene scene.toml --attitude {attitude}"
-        ));
+        bench.done(&format!("simulate {truth} -o {side} --scene scene.toml"));
         bench.done(&format!(
             "stitch fish.tct --left {side}/left.png --right {side}/right.png -o {side}.png"
         ));
     }
-    bench
 }
 
 fn number(value: &Value) -> f64 {
@@ -82,6 +85,41 @@ fn a_head_that_is_turned_in_the_body_is_put_right() {
             .any(|file| file.starts_with("own-warp-"))
     );
     bench.done("bake own.toml -o own.tct --size 640x320 --max-error 0.2");
+}
+
+/// Turned by 2 degrees, each eye in its place or the body with both: both are found, and told apart.
+#[test]
+fn eyes_turned_in_place_are_told_from_a_turned_body() {
+    let bench = Bench::new();
+    bench.done("bake rig.toml -o fish.tct --size 640x320 --max-error 0.2");
+    let mount = "[mount]\npsi_deg = 25.7\ntau_deg = 29.15\nlateral_mm = 30.0\n";
+    let mut truth = std::fs::read_to_string(bench.path("rig.toml")).unwrap();
+    assert!(truth.contains(mount), "{truth}");
+    truth = truth.replace(mount, "");
+    for (eye, yaw_deg, y_mm) in [("left", 79.15, 30.0), ("right", -75.15, -30.0)] {
+        let pose = format!(
+            "[{eye}]\npose = {{ yaw_deg = {yaw_deg}, pitch_deg = -29.15, position_mm = [0.0, {y_mm:.1}, \
+             0.0] }}\n"
+        );
+        truth = truth.replace(&format!("[{eye}]\n"), &pose);
+    }
+    std::fs::write(bench.path("truth.toml"), truth).unwrap();
+    let align = format!(
+        "align fish.tct --rig rig.toml --board-left left.png --board-right right.png {BOARD}"
+    );
+    for (turned, truth) in [
+        ("eyes", "truth.toml"),
+        ("body", "rig.toml --attitude 2,0,0"),
+    ] {
+        stitch_boards(&bench, truth);
+        let json = bench.json(&align);
+        assert_eq!(json["turned"], turned, "{json}");
+        assert_eq!(json["undecided"], false);
+        for (about, wanted) in [("yaw", 2.0), ("pitch", 0.0), ("roll", 0.0)] {
+            let has = number(&json["turn_deg"][about]);
+            assert!((has - wanted).abs() < 0.02, "{turned}: {about} {has}");
+        }
+    }
 }
 
 #[test]

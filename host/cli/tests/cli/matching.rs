@@ -57,6 +57,35 @@ fn matchers_are_measured_and_drawn() {
     );
 }
 
+/// The farther off the board, the less one pair tells a turn of the eyes from a shift: it is said.
+#[test]
+fn one_pair_with_a_board_says_how_sure_the_rotation_is() {
+    let bench = Bench::new();
+    for (ahead_m, is_sure) in [(0.6, true), (0.8, false)] {
+        std::fs::write(
+            bench.path("board.toml"),
+            format!(
+                "texture_seed = 1\nmedium = {{ kind = \"air\" }}\n\
+                 pool = {{ length_m = 6.0, width_m = 6.0, depth_m = 4.0, freeboard_m = 0.3, \
+                 tile_mm = 150.0 }}\n[[boards]]\ncolumns = 8\nrows = 6\nsquare_mm = 60.0\n\
+                 pose = {{ position_m = [{ahead_m}, 0.1, 0.1], yaw_deg = 175, pitch_deg = 20 }}\n"
+            ),
+        )
+        .unwrap();
+        bench.done("simulate rig.toml -o . --scene board.toml");
+        let board = "--board 8x6 --square-mm 60";
+        let found = format!("match rig.toml {PAIR} --matcher orb --raw {board}");
+        let json = bench.json(&found);
+        let row = &json["rows"][1];
+        assert_eq!(row["matches"], 48, "{row}");
+        let [off, sigma] = ["rotation_off_deg", "rotation_standard_error_deg"]
+            .map(|key| row[key].as_f64().unwrap());
+        assert!(off < 4.0 * sigma, "{ahead_m}: {off} {sigma}");
+        let text = bench.done(&found);
+        assert_eq!(text.contains("take more pairs"), !is_sure, "{text}");
+    }
+}
+
 #[test]
 fn what_cannot_be_matched_is_refused() {
     let bench = Bench::new();

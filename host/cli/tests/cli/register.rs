@@ -201,10 +201,7 @@ fn real_pairs_are_baked_small() {
                 };
                 let times = bytes("eyes.toml") / bytes(&rig_file.display().to_string());
                 println!("    {size}: {times:.2} times the bytes");
-                // Geometry's seam of two eyes exactly opposite is two straight lines, which cost
-                // next to nothing: a cut that follows the scene, and curves, cost more.
-                let most = if rig == "gear360" { 1.45 } else { 1.3 };
-                assert!(times <= most, "{rig} {way} {size}");
+                assert!(times <= 1.3, "{rig} {way} {size}");
             }
         }
     }
