@@ -144,22 +144,21 @@ fn summary(errors: &[f64], shown_px: usize) -> (f64, f64) {
 
 /// Least-squares vertices, row by row.
 fn solve(grid: &Grid, targets: &Targets, pixel_weights: &[f64]) -> Vec<[f64; 2]> {
-    let [columns, rows] = grid.vertices();
-    let order = columns * rows;
-    let mut matrix = Banded::zero(order, 3 * columns + 3);
-    let mut right = [vec![0.0; order], vec![0.0; order]];
+    let numbers = Numbers::of(grid);
+    let mut matrix = Banded::zero(numbers.count(), 3 * numbers.stride() + 3);
+    let mut right = [vec![0.0; numbers.count()], vec![0.0; numbers.count()]];
     let weights = grid.weights();
     for cell_y in 0..grid.cells[1] {
         for cell_x in 0..grid.cells[0] {
             let cell = [cell_x, cell_y];
             let local = Local::of(grid, cell, targets, pixel_weights, &weights);
-            local.add_to(&mut matrix, &mut right, grid.first_vertex(cell), columns);
+            local.add_to(&mut matrix, &mut right, cell, &numbers);
         }
     }
-    add_smoothness(&mut matrix, columns, rows);
+    add_smoothness(&mut matrix, &numbers);
     // Second differences and one shown pixel or more leave no null space but straight lines that
     // no pixel holds; a trace of a ridge settles those.
-    for i in 0..order {
+    for i in 0..numbers.count() {
         matrix.add(i, i, 1e-12);
     }
     let factor = matrix
@@ -168,8 +167,44 @@ fn solve(grid: &Grid, targets: &Targets, pixel_weights: &[f64]) -> Vec<[f64; 2]>
     for side in &mut right {
         factor.solve(side);
     }
-    let [x, y] = right;
-    x.into_iter().zip(y).map(|(x, y)| [x, y]).collect()
+    let [x, y] = &right;
+    let places = numbers.all_by_row();
+    places.map(|i| [x[i], y[i]]).collect()
+}
+
+/// Numbers of the vertices in the equations: along the shorter side of the grid first, which keeps the
+/// band narrow. The work grows with its square.
+struct Numbers {
+    columns: usize,
+    rows: usize,
+}
+
+impl Numbers {
+    fn of(grid: &Grid) -> Self {
+        let [columns, rows] = grid.vertices();
+        Self { columns, rows }
+    }
+
+    fn count(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// From a vertex to its neighbour on the longer side.
+    fn stride(&self) -> usize {
+        self.columns.min(self.rows)
+    }
+
+    fn of_vertex(&self, x: usize, y: usize) -> usize {
+        match self.columns <= self.rows {
+            true => y * self.columns + x,
+            false => x * self.rows + y,
+        }
+    }
+
+    fn all_by_row(&self) -> impl Iterator<Item = usize> + '_ {
+        let row = move |y: usize| (0..self.columns).map(move |x| self.of_vertex(x, y));
+        (0..self.rows).flat_map(row)
+    }
 }
 
 /// Normal equations of one cell's pixels in its 4x4 vertices.
@@ -220,14 +255,21 @@ impl Local {
         }
     }
 
-    fn add_to(&self, matrix: &mut Banded, right: &mut [Vec<f64>; 2], first: usize, columns: usize) {
-        let index = |a: usize| first + a / 4 * columns + a % 4;
+    fn add_to(
+        &self,
+        matrix: &mut Banded,
+        right: &mut [Vec<f64>; 2],
+        [cell_x, cell_y]: [usize; 2],
+        numbers: &Numbers,
+    ) {
+        let number = |a: usize| numbers.of_vertex(cell_x + a % 4, cell_y + a / 4);
         for a in 0..16 {
             for b in 0..=a {
-                matrix.add(index(a), index(b), self.matrix[a][b]);
+                let (i, j) = (number(a), number(b));
+                matrix.add(i.max(j), i.min(j), self.matrix[a][b]);
             }
             for (right, local) in right.iter_mut().zip(&self.right) {
-                right[index(a)] += local[a];
+                right[number(a)] += local[a];
             }
         }
     }
@@ -317,7 +359,7 @@ fn spread(grid: &Grid, vertices: &mut [[f64; 2]], held: &[bool]) {
     }
 }
 
-fn add_smoothness(matrix: &mut Banded, columns: usize, rows: usize) {
+fn add_smoothness(matrix: &mut Banded, numbers: &Numbers) {
     let mut add = |triple: [usize; 3]| {
         let d = [1.0, -2.0, 1.0];
         for a in 0..3 {
@@ -326,14 +368,13 @@ fn add_smoothness(matrix: &mut Banded, columns: usize, rows: usize) {
             }
         }
     };
-    for y in 0..rows {
-        for x in 0..columns {
-            let i = y * columns + x;
-            if x + 2 < columns {
-                add([i, i + 1, i + 2]);
+    for y in 0..numbers.rows {
+        for x in 0..numbers.columns {
+            if x + 2 < numbers.columns {
+                add([0, 1, 2].map(|k| numbers.of_vertex(x + k, y)));
             }
-            if y + 2 < rows {
-                add([i, i + columns, i + 2 * columns]);
+            if y + 2 < numbers.rows {
+                add([0, 1, 2].map(|k| numbers.of_vertex(x, y + k)));
             }
         }
     }

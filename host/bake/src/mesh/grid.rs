@@ -42,11 +42,6 @@ impl Grid {
         [0, 1].map(|i| (self.first_cell[i] + cell[i]) << self.step_log2)
     }
 
-    /// Index of the upper left of the 4x4 vertices that a cell depends on.
-    pub fn first_vertex(&self, cell: [usize; 2]) -> usize {
-        cell[1] * self.vertices()[0] + cell[0]
-    }
-
     /// Catmull-Rom weights of four neighbours at each pixel of a cell.
     pub fn weights(&self) -> Vec<[f64; 4]> {
         (0..self.step())

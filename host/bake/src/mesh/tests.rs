@@ -76,3 +76,22 @@ fn vertices_over_what_the_other_eye_shows_hinder_no_coarse_mesh() {
     let mesh = fit(&targets, [1520, 1520], 5, 0.05).unwrap().unwrap();
     assert!(mesh.max_error_px <= 0.05, "{}", mesh.max_error_px);
 }
+
+#[test]
+fn a_wide_picture_is_fitted_as_fast_as_a_high_one() {
+    // The equations' band along the longer side would take minutes.
+    let plane = |width: usize, height: usize| {
+        let positions = (0..width * height).map(|i| {
+            let (x, y) = ((i % width) as f64, (i / width) as f64);
+            [10.0 + 0.05 * x + 0.02 * y, 5.0 + 0.03 * x + 0.05 * y]
+        });
+        Targets::new(width, height, positions.collect())
+    };
+    for [width, height] in [[6000, 16], [16, 6000]] {
+        let mesh = fit(&plane(width, height), [512, 512], 3, 0.01);
+        assert!(
+            mesh.unwrap().unwrap().max_error_px < 0.01,
+            "{width}x{height}"
+        );
+    }
+}
