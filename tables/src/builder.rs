@@ -14,6 +14,7 @@ use crate::layout::{
     CRC_OFFSET, EyeRaysHeader, Header, MAGIC, MeshHeader, MeterPair, OutputMapLayout, SectionEntry,
     ToneHeader, VERSION_MAJOR, Vertex,
 };
+use crate::runs::MAX_ROW_RUNS;
 use crate::view::checksum;
 use crate::{Channel, Curve, Eye, ProjectionKind};
 
@@ -172,10 +173,10 @@ pub struct TableBuilder {
     pub metadata: String,
 }
 
-/// More distinct runs than a table's 16-bit row index can reach (128 KB).
+/// More runs than a table can hold: [`MAX_ROW_RUNS`] in a row, 128 KB of distinct rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RunsTooLong {
-    /// First row whose runs lie out of reach.
+    /// First row that has too many, or whose runs the 16-bit row index cannot reach.
     pub row: usize,
 }
 
@@ -183,7 +184,8 @@ impl core::fmt::Display for RunsTooLong {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(
             f,
-            "row {}: the runs take more than the 128 KB a row index can reach",
+            "row {}: more runs than a table holds, which are {MAX_ROW_RUNS} in a row and 128 KB of \
+             different rows",
             self.row
         )
     }
@@ -304,6 +306,9 @@ fn runs_bytes(rows: &[Vec<RunData>]) -> Result<Vec<u8>, RunsTooLong> {
     let mut index = Vec::with_capacity(rows.len());
     let mut pool: Vec<u16> = Vec::new();
     for (row, runs) in rows.iter().enumerate() {
+        if runs.len() > MAX_ROW_RUNS {
+            return Err(RunsTooLong { row });
+        }
         let start = match seen.get(runs.as_slice()) {
             Some(start) => *start,
             None => {

@@ -108,7 +108,7 @@ pub enum TableError {
         /// Eye of the mesh.
         eye: Eye,
     },
-    /// The runs of a row are malformed or do not add up to the width.
+    /// The runs of a row are malformed, too many, or do not add up to the width.
     Runs {
         /// Output row.
         row: u16,
@@ -156,7 +156,12 @@ impl core::fmt::Display for TableError {
             Self::VertexJump { eye } => {
                 write!(f, "{eye:?} mesh: neighbouring vertices are too far apart")
             }
-            Self::Runs { row } => write!(f, "row {row}: the runs do not add up to the width"),
+            Self::Runs { row } => {
+                write!(
+                    f,
+                    "row {row}: the runs do not add up to the width, or are over 256"
+                )
+            }
             Self::SourceBox { eye, row } => {
                 write!(
                     f,

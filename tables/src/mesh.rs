@@ -131,7 +131,7 @@ impl<'a> Mesh<'a> {
             })
     }
 
-    pub(crate) fn step_log2(&self) -> u32 {
+    fn step_log2(&self) -> u32 {
         u32::from(self.header.step_log2)
     }
 
@@ -154,8 +154,8 @@ impl<'a> Mesh<'a> {
             origin: self.origin_px().map(i32::from),
             ring: [[0; 2]; 3],
             k: start & mask as u32,
-            // No mesh is longer, and the cell's end may be added to it.
-            left: len.min(u32::from(u16::MAX)),
+            // The first pixel's place in its cell is added to it.
+            left: len.min(u32::MAX >> 1),
         };
         for i in 0..3 {
             let value = segments.next_column()?;

@@ -7,6 +7,9 @@ use crate::error::{TableError, Tag};
 /// Full blend weight: the weights of both eyes add up to this.
 pub const RAMP_FULL: u32 = 256;
 
+/// Most runs of an output row. It bounds the work of a row, as each run sets up the mesh anew.
+pub const MAX_ROW_RUNS: usize = 256;
+
 const LENGTH_MASK: u16 = 0x3fff;
 
 /// Linear weight of the left eye along a blend run.

@@ -43,7 +43,7 @@ const CORE: &[&str] = &[
     "tests/exact",
 ];
 
-const CAMPAIGNS: [Campaign; 9] = [
+const CAMPAIGNS: [Campaign; 10] = [
     Campaign {
         name: "detection",
         proves: "boards of ten real sets are found, whole and covered in 13 ways; no false marker",
@@ -83,6 +83,13 @@ const CAMPAIGNS: [Campaign; 9] = [
             "tests/tests",
         ],
         work: Work::Ignored(&["tests/calibration_truth", "host/calibrate/lib"]),
+    },
+    Campaign {
+        name: "chain",
+        proves: "the program's own commands from printed boards to directions, on a mount 4 degrees and 5 mm off",
+        minutes: 4,
+        part: &["Cargo.lock", "core", "tables", "host"],
+        work: Work::Ignored(&["host/cli/chain"]),
     },
     Campaign {
         name: "registration",

@@ -29,7 +29,8 @@ pub struct OverlayData {
     pub bands: Vec<BandData>,
 }
 
-/// More lines or glyphs than an overlay's 16-bit index can reach, or than its format allows a band.
+/// More lines or glyphs than an overlay can hold, or than it may have in one band
+/// ([`crate::is_bounded`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OverlayTooLong;
 
@@ -37,8 +38,8 @@ impl core::fmt::Display for OverlayTooLong {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(
             f,
-            "an overlay holds 65,535 pieces of lines at most, and in each {BAND_ROWS} rows \
-             {MAX_BAND_RECORDS} that reach over {MAX_BAND_REACH} widths of the picture together"
+            "an overlay holds 65,535 pieces of lines at most, and each band of {BAND_ROWS} rows holds \
+             {MAX_BAND_RECORDS} of them, which together span at most {MAX_BAND_REACH} widths of the picture"
         )
     }
 }
@@ -49,7 +50,8 @@ impl OverlayData {
     /// The bytes of the section.
     ///
     /// # Errors
-    /// [`OverlayTooLong`] if the bands hold too much.
+    /// [`OverlayTooLong`] if the 16-bit index cannot reach all records. The limits of a band are
+    /// [`crate::Overlay::parse`]'s to check.
     pub fn to_bytes(&self) -> Result<Vec<u8>, OverlayTooLong> {
         let (mut lines, mut placements) = (Pool::default(), Pool::default());
         let mut bands = Vec::new();

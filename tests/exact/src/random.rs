@@ -5,7 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use tectum_tables::builder::{
     MeshData, OutputMapData, OverlayData, RunData, TableBuilder, ToneData,
 };
-use tectum_tables::{BAND_ROWS, LINE_UNITS, MeterPair, OverlayLine, Placement, ProjectionKind};
+use tectum_tables::{
+    BAND_ROWS, LINE_UNITS, MAX_ROW_RUNS, MeterPair, OverlayLine, Placement, ProjectionKind,
+};
 
 /// The generator behind case `seed`, the same on every machine.
 pub fn rng(seed: u64) -> ChaCha8Rng {
@@ -141,7 +143,11 @@ fn row(rng: &mut ChaCha8Rng, width: u16) -> Vec<RunData> {
         .unwrap_or(&width);
     let mut left = width;
     while left > 0 {
-        let n = rng.random_range(1..=left.min(longest));
+        // The last run that a row may have takes the rest.
+        let n = match runs.len() + 1 {
+            MAX_ROW_RUNS => left,
+            _ => rng.random_range(1..=left.min(longest)),
+        };
         left -= n;
         runs.push(match rng.random_range(0..5) {
             0 => RunData::Void(n),

@@ -111,7 +111,7 @@ fn a_position_over_any_edge_is_refused() {
     }
 }
 
-/// The proof walks cells; here each shown pixel is looked at by itself.
+/// The proof walks runs cell by cell; here each shown pixel is looked at by itself.
 #[test]
 fn a_table_is_accepted_where_every_shown_pixel_lies_inside_and_nowhere_else() {
     const WIDTH: u16 = 70;
@@ -201,6 +201,28 @@ fn a_table_is_accepted_where_every_shown_pixel_lies_inside_and_nowhere_else() {
     assert!(
         verdicts.iter().all(|count| *count > cases(4000) / 10),
         "{verdicts:?}"
+    );
+}
+
+#[test]
+fn a_row_of_more_runs_than_the_format_allows_is_refused() {
+    let with = |count: u16| {
+        let mut builder = small_table(5);
+        builder.output_size_px = [count, 1];
+        builder.overlay = None;
+        builder.rows = vec![vec![RunData::Void(1); usize::from(count)]];
+        builder.to_bytes()
+    };
+    let bytes = with(256).expect("as many as a row may have");
+    assert!(Tables::parse(&bytes).is_ok());
+    assert!(with(257).is_err());
+    // The same runs for a picture one pixel wider: what follows them in the file is not read.
+    let mut bytes = bytes;
+    bytes[16..18].copy_from_slice(&257u16.to_le_bytes());
+    seal(&mut bytes);
+    assert_eq!(
+        Tables::parse(&bytes).unwrap_err(),
+        TableError::Runs { row: 0 }
     );
 }
 

@@ -1,4 +1,5 @@
-//! Every shell line of the README, as it stands there, on simulated pictures.
+//! Every shell line of the README on simulated pictures. Lines run as they stand there, but for the
+//! address of a live view; between some lines smaller tables and rigs take the place of large ones.
 
 use std::fs;
 use std::path::Path;
@@ -48,7 +49,6 @@ fn commands(heading: &str) -> Vec<String> {
                 .to_owned()
         })
         .collect();
-    assert!(!lines.is_empty(), "no shell lines under {heading:?}");
     lines
         .into_iter()
         .filter(|line| !OTHERS.contains(&&**line))
@@ -90,19 +90,26 @@ fn simulate(bench: &Bench, name: &str, scene: &str) {
 
 #[test]
 fn every_block_is_run() {
-    let headings = README
+    let sections = README
         .split("\n## ")
         .filter(|part| part.contains("```sh\n"));
-    let headings: Vec<_> = headings
-        .map(|part| part.lines().next().unwrap_or_default())
-        .collect();
-    println!("{headings:?}");
-    let run = include_str!("readme.rs");
-    for heading in &headings[1..] {
-        assert!(
-            run.contains(&format!("\"{heading}\"")),
-            "{heading:?} is not run"
-        );
+    let headings = sections.map(|part| part.lines().next().unwrap_or_default());
+    // One test each, below.
+    let run = [
+        "Two commands",
+        "Before the hull is cut",
+        "Your own eyes",
+        "Two eyes, one picture",
+        "Which way is it",
+        "Cameras",
+        "Your own pictures",
+        "Where is it?",
+    ];
+    assert_eq!(headings.collect::<Vec<_>>(), run);
+    // All that this block has is left to other steps, and all that is left to them is there.
+    assert!(commands("Two commands").is_empty());
+    for line in OTHERS {
+        assert!(README.contains(line), "{line:?} is not in the README");
     }
 }
 
