@@ -7,12 +7,14 @@ use image::DynamicImage;
 const CAMERA_BITS: [u32; 4] = [8, 10, 12, 14];
 
 /// Bits of a picture's samples: of a file of 16 bits the fewest of 8, 10, 12 and 14 that hold its
-/// largest value, as the file does not say; 8 of all others.
+/// largest value, opacity aside, as the file does not say; 8 of all others.
 pub(crate) fn bits_used(picture: &DynamicImage) -> u32 {
-    let largest = match samples(picture) {
-        None => return 8,
-        Some(samples) => samples.iter().copied().max().unwrap_or(0),
+    let Some(samples) = samples(picture) else {
+        return 8;
     };
+    let is_colour = is_colour(picture);
+    let colours = samples.iter().enumerate().filter(|(i, _)| is_colour(*i));
+    let largest = colours.map(|(_, sample)| *sample).max().unwrap_or(0);
     let holds = |bits: &u32| u32::from(largest) < 1 << bits;
     CAMERA_BITS.into_iter().find(holds).unwrap_or(16)
 }
@@ -21,8 +23,10 @@ pub(crate) fn bits_used(picture: &DynamicImage) -> u32 {
 pub(crate) fn to_8_bits(mut picture: DynamicImage, bits: u32) -> DynamicImage {
     if (8..16).contains(&bits) {
         let white = (1u32 << bits) - 1;
+        let is_colour = is_colour(&picture);
         if let Some(samples) = samples_mut(&mut picture) {
-            for sample in samples {
+            let colours = samples.iter_mut().enumerate();
+            for (_, sample) in colours.filter(|(i, _)| is_colour(*i)) {
                 let full = (u32::from(*sample) * 65535 + white / 2) / white;
                 *sample = u16::try_from(full).unwrap_or(u16::MAX);
             }
@@ -35,6 +39,13 @@ pub(crate) fn to_8_bits(mut picture: DynamicImage, bits: u32) -> DynamicImage {
         DynamicImage::ImageRgba16(_) => picture.into_rgba8().into(),
         other => other,
     }
+}
+
+/// Whether a sample, by its place, is a colour's and not the opacity's.
+fn is_colour(picture: &DynamicImage) -> impl Fn(usize) -> bool + use<> {
+    let channels = usize::from(picture.color().channel_count());
+    let colours = channels - usize::from(picture.color().has_alpha());
+    move |i| i % channels < colours
 }
 
 fn samples(picture: &DynamicImage) -> Option<&[u16]> {
@@ -82,6 +93,14 @@ mod tests {
                 assert!(off.abs() <= 0.51, "{bits} {x}: {off}");
             }
         }
+    }
+
+    #[test]
+    fn opacity_is_no_brightness() {
+        let picture = ImageBuffer::from_pixel(2, 2, image::LumaA([1023u16, 65535])).into();
+        assert_eq!(bits_used(&picture), 10);
+        let gray = to_8_bits(picture, 10);
+        assert_eq!(gray.into_luma_alpha8()[(0, 0)].0, [255, 255]);
     }
 
     #[test]

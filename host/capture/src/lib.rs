@@ -65,7 +65,7 @@ pub use operator::{Moment, Operator, Recorded};
 pub use pace::Pace;
 pub use pairing::{Drift, Step, pair_all, step};
 pub use pairs::{Late, Pair, PairStatistics, Pairs, Shot};
-pub use pictures::{PictureError, Pictures, decode_picture};
+pub use pictures::{DeepPicture, PictureError, Pictures, decode_picture};
 pub use rate::rate_of;
 pub use recorder::{Recorder, VideoKind};
 pub use session::{Coverage, Session, Verdict};

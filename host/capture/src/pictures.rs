@@ -3,15 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
 use crate::depth::{bits_used, to_8_bits};
 use crate::source::{Frame, FrameSource, Next};
 use crate::{CaptureError, FrameFormat, Health, JpegDamage, Layout, check_jpeg};
 
+/// Pictures of 16 bits that are looked at beforehand, of each folder, evenly spread.
+const MOST_LOOKED_AT: usize = 64;
+
 /// The picture files of a folder in the order of their names, hidden ones left out, or one picture:
-/// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt. Of files of 16
-/// bits the most bits that any picture so far has used count, so that a dark one stays dark.
+/// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt. Files of 16
+/// bits have the bits that the largest value in the set needs, of both eyes where they are paired, so that all
+/// are brightened alike; of a long set [`MOST_LOOKED_AT`] pictures tell, and what is brighter is white.
 #[derive(Debug)]
 pub struct Pictures {
     name: String,
@@ -41,7 +45,8 @@ impl Pictures {
         } else {
             vec![path.to_owned()]
         };
-        Self::of_files(path, (0..).zip(files).collect())
+        let bits = bits_of(&files);
+        Self::of_files(path, (0..).zip(files).collect(), bits)
     }
 
     /// Pictures of two folders of which some belong together: `pairs` are indices into both lists,
@@ -54,6 +59,8 @@ impl Pictures {
         files: [Vec<PathBuf>; 2],
         pairs: &[[usize; 2]],
     ) -> Result<[Self; 2], CaptureError> {
+        let bits = files.iter().map(|files| bits_of(files)).max();
+        let bits = bits.unwrap_or(8);
         let times = paired_times(files.each_ref().map(Vec::len), pairs);
         let [left, right] = files.map(Vec::into_iter);
         let timed = |files: std::vec::IntoIter<PathBuf>, times: &[i64]| {
@@ -62,13 +69,13 @@ impl Pictures {
             timed
         };
         Ok([
-            Self::of_files(folders[0], timed(left, &times[0]))?,
-            Self::of_files(folders[1], timed(right, &times[1]))?,
+            Self::of_files(folders[0], timed(left, &times[0]), bits)?,
+            Self::of_files(folders[1], timed(right, &times[1]), bits)?,
         ])
     }
 
     /// Pictures with their times, in order.
-    fn of_files(path: &Path, files: Vec<(i64, PathBuf)>) -> Result<Self, CaptureError> {
+    fn of_files(path: &Path, files: Vec<(i64, PathBuf)>, bits: u32) -> Result<Self, CaptureError> {
         let Some((_, first)) = files.first() else {
             return Err(CaptureError::File {
                 path: path.to_owned(),
@@ -76,8 +83,7 @@ impl Pictures {
                     .to_owned(),
             });
         };
-        let first = decode(first)?;
-        let bits = bits_used(&first);
+        let first = decode(first)?.picture;
         let side = |px: u32| u16::try_from(px).unwrap_or(u16::MAX);
         Ok(Self {
             name: path.display().to_string(),
@@ -89,6 +95,27 @@ impl Pictures {
             health: Arc::default(),
         })
     }
+}
+
+/// The most bits that pictures of a set use; those that cannot be read are told when their turn comes.
+fn bits_of(files: &[PathBuf]) -> u32 {
+    let every = files.len().div_ceil(MOST_LOOKED_AT).max(1);
+    let looked_at = files.iter().step_by(every).filter(|file| is_deep(file));
+    let bits = looked_at.filter_map(|file| Some(decode(file).ok()?.bits));
+    bits.max().unwrap_or(8)
+}
+
+/// Whether a file has 16 bits a sample, by its header.
+fn is_deep(file: &Path) -> bool {
+    let decoder = ImageReader::open(file).and_then(ImageReader::with_guessed_format);
+    let decoder = decoder.ok().and_then(|reader| reader.into_decoder().ok());
+    let deep = [
+        ColorType::L16,
+        ColorType::La16,
+        ColorType::Rgb16,
+        ColorType::Rgba16,
+    ];
+    decoder.is_some_and(|decoder| deep.contains(&decoder.color_type()))
 }
 
 /// A time for each picture: the left ones in order, their partners with them, what is alone on the
@@ -138,12 +165,51 @@ pub enum PictureError {
 /// # Errors
 /// [`PictureError`] for what must not be shown.
 pub fn decode_picture(bytes: &[u8]) -> Result<DynamicImage, PictureError> {
-    let picture = decode_bytes(bytes)?;
-    let bits = bits_used(&picture);
-    Ok(to_8_bits(picture, bits))
+    let deep = DeepPicture::decode(bytes)?;
+    let bits = deep.bits;
+    Ok(deep.in_8_bits(bits))
 }
 
-fn decode_bytes(bytes: &[u8]) -> Result<DynamicImage, PictureError> {
+/// A picture as its file has it. Those of one shot are to be brightened alike: by the most bits of all.
+#[derive(Debug)]
+pub struct DeepPicture {
+    picture: DynamicImage,
+    bits: u32,
+}
+
+impl DeepPicture {
+    /// Decodes as [`decode_picture`] does.
+    ///
+    /// # Errors
+    /// [`PictureError`] for what must not be shown.
+    pub fn decode(bytes: &[u8]) -> Result<Self, PictureError> {
+        let (picture, is_scaled) = decode_bytes(bytes)?;
+        let bits = match bits_used(&picture) {
+            bits if bits > 8 && is_scaled => 16,
+            bits => bits,
+        };
+        Ok(Self { picture, bits })
+    }
+
+    /// Bits that its samples use.
+    pub fn bits(&self) -> u32 {
+        self.bits
+    }
+
+    /// Whether a file of 16 bits uses fewer.
+    pub fn is_shallow(&self) -> bool {
+        self.bits < 16
+            && self.picture.color().bytes_per_pixel() / self.picture.color().channel_count() == 2
+    }
+
+    /// The picture in 8 bits, its samples taken as of `bits` where the file has 16.
+    pub fn in_8_bits(self, bits: u32) -> DynamicImage {
+        to_8_bits(self.picture, bits)
+    }
+}
+
+/// The picture, and whether its samples already fill what they are stored in.
+fn decode_bytes(bytes: &[u8]) -> Result<(DynamicImage, bool), PictureError> {
     let reader = ImageReader::new(std::io::Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| PictureError::Unsound(error.into()))?;
@@ -151,15 +217,18 @@ fn decode_bytes(bytes: &[u8]) -> Result<DynamicImage, PictureError> {
         // Decoders show what is missing as plain grey.
         check_jpeg(bytes).map_err(PictureError::Jpeg)?;
     }
-    reader.decode().map_err(|error| match error {
+    // PNM says its largest value, by which the decoder scales.
+    let is_scaled = reader.format() == Some(ImageFormat::Pnm);
+    let picture = reader.decode().map_err(|error| match error {
         ImageError::Limits(_) => PictureError::TooLarge,
         error => PictureError::Unsound(error),
-    })
+    })?;
+    Ok((picture, is_scaled))
 }
 
-fn decode(path: &Path) -> Result<DynamicImage, CaptureError> {
+fn decode(path: &Path) -> Result<DeepPicture, CaptureError> {
     let bytes = std::fs::read(path).map_err(|e| CaptureError::io(path, e))?;
-    decode_bytes(&bytes).map_err(|error| CaptureError::File {
+    DeepPicture::decode(&bytes).map_err(|error| CaptureError::File {
         path: path.to_owned(),
         why: error.to_string(),
     })
@@ -183,8 +252,7 @@ impl FrameSource for Pictures {
             self.health.corrupt();
             return Ok(Next::Nothing);
         };
-        self.bits = self.bits.max(bits_used(&picture));
-        let picture = to_8_bits(picture, self.bits).into_rgb8();
+        let picture = picture.in_8_bits(self.bits).into_rgb8();
         let size = [picture.width(), picture.height()];
         if size != self.format.size_px.map(u32::from) {
             return Err(CaptureError::File {
@@ -276,6 +344,38 @@ mod tests {
             .unwrap();
         assert_eq!(seen, [[1, 1], [3, 3], [4, 4]]);
         assert_eq!(pairs.statistics().alone, [0, 1]);
+    }
+
+    #[test]
+    fn both_eyes_are_brightened_alike_through_the_whole_set() {
+        let folder = tempfile::tempdir().unwrap();
+        let names =
+            ["l", "r"].map(|eye| [1, 2].map(|n| folder.path().join(format!("{eye}{n}.png"))));
+        // 10 bits hold all but the last.
+        for (file, value) in names.iter().flatten().zip([1000u16, 500, 1000, 4000]) {
+            let deep: image::ImageBuffer<image::Luma<u16>, _> =
+                image::ImageBuffer::from_pixel(2, 2, image::Luma([value]));
+            deep.save(file).unwrap();
+        }
+        let files = names.map(|eye| eye.to_vec());
+        let pairs = [[0, 0], [1, 1]];
+        let eyes = Pictures::open_paired([folder.path(); 2], files, &pairs).unwrap();
+        let seen = eyes.map(|mut eye| {
+            [0, 1].map(|_| match eye.next().unwrap() {
+                Next::Frame(frame) => frame.data[0],
+                _ => panic!("no frame"),
+            })
+        });
+        // Of 12 bits: 255 * 1000 / 4095 and so on.
+        assert_eq!(seen, [[62, 31], [62, 249]]);
+    }
+
+    #[test]
+    fn the_decoder_has_scaled_a_pnm_already() {
+        let pgm = [&b"P5 1 1 1023\n"[..], &[0, 100]].concat();
+        let gray = decode_picture(&pgm).unwrap().into_luma8();
+        // 255 * 100 / 1023.
+        assert_eq!(gray[(0, 0)].0, [25]);
     }
 
     #[test]

@@ -23,7 +23,10 @@ pub struct PrintedBoard {
 
 /// `8x6`, or a file of `tectum board` that holds one board.
 pub fn printed(text: &str) -> Result<PrintedBoard, String> {
-    if !text.ends_with(".json") {
+    let is_file = Path::new(text)
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+    if !is_file {
         let size = detecting::board(text)?;
         return Ok(PrintedBoard {
             size,

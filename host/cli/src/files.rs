@@ -45,9 +45,14 @@ pub fn eye(path: &Path) -> anyhow::Result<CalibratedEye> {
 
 fn notes(remarks: &[String]) {
     for sentence in remarks {
-        // Stderr that is closed harms nothing.
-        let _ = writeln!(io::stderr(), "note: {sentence}");
+        note(sentence);
     }
+}
+
+/// Tells a person something beside the results.
+pub fn note(sentence: &str) {
+    // Stderr that is closed harms nothing.
+    let _ = writeln!(io::stderr(), "note: {sentence}");
 }
 
 /// Parses and proves a table that was read from `path`.
@@ -124,6 +129,12 @@ pub fn lock_folder(folder: &Path) -> anyhow::Result<File> {
             folder.display()
         ),
     }
+}
+
+/// Whether two files are in one folder.
+pub fn are_beside(files: [&Path; 2]) -> bool {
+    let [a, b] = files.map(|file| fs::canonicalize(folder_of(file)).ok());
+    a.is_some() && a == b
 }
 
 /// The rig's file and the files that it names.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
+use image::RgbImage;
 use tectum_bake::Pair;
 use tectum_core::Eye;
 use tectum_tables::Tables;
@@ -24,20 +25,25 @@ impl Frames {
         left: Option<&Path>,
         right: Option<&Path>,
     ) -> anyhow::Result<Self> {
-        let load = |eye, name: &str, path: Option<&Path>| {
+        let is_shown = |eye| tables.source_size_px(eye).is_some();
+        let paths = [
+            left.filter(|_| is_shown(Eye::Left)),
+            right.filter(|_| is_shown(Eye::Right)),
+        ];
+        let [left_picture, right_picture] = pictures::load_both(paths)?;
+        let load = |eye, name: &str, path: Option<&Path>, picture: Option<RgbImage>| {
             let Some(needed) = tables.source_size_px(eye) else {
                 return Ok(Vec::new());
             };
-            let path = path.with_context(|| {
+            let (path, picture) = path.zip(picture).with_context(|| {
                 format!("the table shows the {name} eye: give its picture with --{name}")
             })?;
-            let picture = pictures::load(path)?;
             pictures::check_size(&picture, path, needed, &format!("the table's {name} eye"))?;
             anyhow::Ok(picture.into_raw())
         };
         Ok(Self {
-            left: load(Eye::Left, "left", left)?,
-            right: load(Eye::Right, "right", right)?,
+            left: load(Eye::Left, "left", left, left_picture)?,
+            right: load(Eye::Right, "right", right, right_picture)?,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use image::RgbImage;
 use tectum_calibrate::session::{list, pair_by_name};
 use tectum_optics::Rig;
@@ -67,15 +67,16 @@ pub fn of_files(left: &[PathBuf], right: &[PathBuf]) -> anyhow::Result<Paired> {
 
 /// Both pictures of a shot, of the sizes that the rig's eyes have.
 pub fn load(rig: &Rig, files: &[PathBuf; 2]) -> anyhow::Result<[RgbImage; 2]> {
-    let one = |eye: usize, name: &str| {
+    let [left, right] = pictures::load_both(files.each_ref().map(|file| Some(&**file)))?;
+    let one = |eye: usize, name: &str, picture: Option<RgbImage>| {
         let Some(rig_eye) = [&rig.left, &rig.right][eye] else {
             bail!("the rig has no {name} eye: two are needed");
         };
         let path: &Path = &files[eye];
-        let picture = pictures::load(path)?;
+        let picture = picture.with_context(|| path.display().to_string())?;
         let what_for = format!("the rig's {name} eye");
         pictures::check_size(&picture, path, rig_eye.eye.size_px, &what_for)?;
         Ok(picture)
     };
-    Ok([one(0, "left")?, one(1, "right")?])
+    Ok([one(0, "left", left)?, one(1, "right", right)?])
 }

@@ -5,12 +5,24 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
+use tectum_capture::DeepPicture;
 
 use crate::files;
 
 /// Reads a picture as 8-bit RGB.
 pub fn load(path: &Path) -> anyhow::Result<RgbImage> {
     Ok(decode(path)?.into_rgb8())
+}
+
+/// Reads the pictures of both eyes as 8-bit RGB, brightened alike where files have 16 bits.
+pub fn load_both(paths: [Option<&Path>; 2]) -> anyhow::Result<[Option<RgbImage>; 2]> {
+    let [left, right] = paths.map(|path| path.map(deep).transpose());
+    let both = [left?, right?];
+    let bits = both.iter().flatten().map(DeepPicture::bits).max();
+    if both.iter().flatten().any(DeepPicture::is_shallow) {
+        note_bits(bits.unwrap_or(8));
+    }
+    Ok(both.map(|picture| Some(picture?.in_8_bits(bits?).into_rgb8())))
 }
 
 /// Reads a picture as 8-bit gray.
@@ -25,8 +37,28 @@ pub fn gray(bytes: &[u8]) -> Result<GrayImage, String> {
 }
 
 fn decode(path: &Path) -> anyhow::Result<DynamicImage> {
+    let deep = deep(path)?;
+    let bits = deep.bits();
+    if deep.is_shallow() {
+        note_bits(bits);
+    }
+    Ok(deep.in_8_bits(bits))
+}
+
+fn deep(path: &Path) -> anyhow::Result<DeepPicture> {
     let bytes = files::read(path)?;
-    tectum_capture::decode_picture(&bytes).with_context(|| path.display().to_string())
+    DeepPicture::decode(&bytes).with_context(|| path.display().to_string())
+}
+
+/// Tells once what was taken for white.
+fn note_bits(bits: u32) {
+    static TOLD: std::sync::Once = std::sync::Once::new();
+    TOLD.call_once(|| {
+        files::note(&format!(
+            "pictures of 16 bits whose samples use {bits}: white is taken as {}",
+            (1u32 << bits) - 1
+        ));
+    });
 }
 
 /// Refuses a picture that is not `needed` px.

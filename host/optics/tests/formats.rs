@@ -120,7 +120,7 @@ fn each_tools_files_hold_the_same_cameras() {
     assert_eq!(chain.cameras, cameras());
     // The second camera is 100 mm to the first one's right: what lies ahead of the first lies to the
     // left of the second.
-    let pose = chain.second_from_first.unwrap();
+    let pose = chain.second_from_first.clone().unwrap().unwrap();
     assert_eq!(pose.translation_m.as_slice(), [-0.1, 0.0, 0.0]);
     assert_eq!(pose.second_centre_m().as_slice(), [0.1, 0.0, 0.0]);
     // One pose for three cameras says nothing of the second.
@@ -226,7 +226,7 @@ fn opencv_names_matrix_and_what_is_allowed() {
     let message = |from, to| message(fisheye, OPENCV, from, to);
     assert_eq!(
         message("D: !!", "E: !!"),
-        "distortion_coefficients is missing (an !!opencv-matrix)"
+        "D is missing (an !!opencv-matrix)"
     );
     assert_eq!(
         message("rows: 4", "rows: 5"),
@@ -265,16 +265,22 @@ fn opencv_names_matrix_and_what_is_allowed() {
 
 #[test]
 fn a_stereo_file_names_what_is_wrong_with_its_pose() {
-    let cameras = |text: &str| FileStorage::parse(text)?.cameras();
+    // The lenses are good, whatever the pose is.
+    let cameras = |text: &str| {
+        let chain = FileStorage::parse(text)?.cameras()?;
+        chain.second_from_first.clone().transpose()?;
+        Ok(chain)
+    };
     let message = |from, to| message(cameras, STEREO, from, to);
     let read = cameras(STEREO).unwrap();
-    let pose = read.second_from_first.unwrap();
+    let pose = read.second_from_first.clone().unwrap().unwrap();
     assert_eq!(pose.translation_m.as_slice(), [-0.06, 0.0, 0.0]);
     assert_eq!(read.cameras.len(), 2);
     // The same in metres.
     assert_eq!(cameras(&STEREO.replace("-60.0", "-0.06")), Ok(read.clone()));
     let other_names = STEREO.replace("K1", "M1").replace("K2", "M2");
     assert_eq!(cameras(&other_names), Ok(read));
+    assert!(message("T: {", "T_unit: feet\nT: {").starts_with("T_unit: "));
     assert!(message("R: {", "Q: {").starts_with("R is missing"));
     assert!(message("[1, 0, 0, 0, 1,", "[1, 0, 0, 0, 2,").starts_with("R, T: "));
     assert!(message("[-60.0, 0, 0]", "[-60.0, 0, 1e9]").contains("100 m apart"));
@@ -285,8 +291,30 @@ fn a_stereo_file_names_what_is_wrong_with_its_pose() {
         )
         .contains("3x1")
     );
-    assert!(message("K2", "K3").starts_with("cameraMatrix2 is missing"));
+    assert!(message("K2", "K3").starts_with("K2 is missing"));
     assert!(message("image_width: 640\nimage_height: 480\n", "").contains("size"));
+}
+
+#[test]
+fn a_short_line_between_cameras_is_written_with_its_unit() {
+    let chain = FileStorage::parse(STEREO).unwrap().cameras().unwrap();
+    let mut pose = chain.second_from_first.unwrap().unwrap();
+    for length_m in [5e-4, 0.06, 20.0] {
+        pose.translation_m *= length_m / pose.translation_m.norm();
+        let lens = kannala_brandt();
+        let written = FileStorage::of_stereo([&lens, &lens], [1280, 1024], &pose).to_text();
+        let read = FileStorage::parse(&written).unwrap().cameras().unwrap();
+        let read = read.second_from_first.unwrap().unwrap();
+        // Rounding of a product.
+        let off = (read.translation_m - pose.translation_m).norm();
+        assert!(off < 1e-15 * length_m, "{length_m}: {off}");
+        let metres = written.replace("\"mm\"", "\"m\"");
+        let read = FileStorage::parse(&metres).unwrap().cameras().unwrap();
+        match read.second_from_first.unwrap() {
+            Ok(read) => assert!((read.translation_m.norm() / length_m - 1e3).abs() < 1e-9),
+            Err(refused) => assert!(refused.to_string().contains("100 m"), "{refused}"),
+        }
+    }
 }
 
 #[test]
@@ -363,7 +391,9 @@ proptest! {
             prop_assert_eq!(OcamCalib::parse(&calib.to_text()), Ok(calib.clone()));
             let _ = calib.to_model(calib.farthest_corner_px());
         }
-        if let Ok(read) = kalibr::parse(&text) {
+        if let Ok(read) = kalibr::parse(&text)
+            && !matches!(read.second_from_first, Some(Err(_)))
+        {
             prop_assert_eq!(kalibr::parse(&kalibr::to_text(&read).unwrap()), Ok(read));
         }
         if let Ok(read) = basalt::parse(&text) {

@@ -9,13 +9,13 @@ pub enum Fault {
     Swapped,
     /// They are swapped, or all of them are mirrored: before eyes that are alike that is the same.
     SwappedOrMirrored,
-    /// The pictures of these eyes are mirrored.
-    Mirrored(Eyes<bool>),
+    /// The pictures of these eyes are mirrored: "left", "right" or "left and the right".
+    Mirrored(&'static str),
 }
 
 impl Fault {
-    /// The fault whose absence makes the pictures fit: `fits_without` undoes a swap, or the mirroring of
-    /// those eyes.
+    /// Undoes one fault after another; the one without which the pictures fit. `fits_without` says whether
+    /// they do with a swap undone, or the mirroring of those eyes.
     pub fn find(fits_without: impl Fn(bool, Eyes<bool>) -> bool) -> Option<Self> {
         match [
             fits_without(true, [false; 2]),
@@ -23,12 +23,12 @@ impl Fault {
         ] {
             [true, true] => return Some(Self::SwappedOrMirrored),
             [true, false] => return Some(Self::Swapped),
-            [false, true] => return Some(Self::Mirrored([true; 2])),
+            [false, true] => return Some(Self::Mirrored("left and the right")),
             [false, false] => {}
         }
-        let mut one = [[true, false], [false, true]].into_iter();
-        one.find(|mirrored| fits_without(false, *mirrored))
-            .map(Self::Mirrored)
+        let mut one = [("left", [true, false]), ("right", [false, true])].into_iter();
+        one.find(|(_, mirrored)| fits_without(false, *mirrored))
+            .map(|(eye, _)| Self::Mirrored(eye))
     }
 }
 

@@ -16,8 +16,11 @@ use tectum_tables::{Mesh, RunKind, Tables};
 
 use crate::areas;
 use crate::ranges::{range_json, range_line};
-use crate::report::{Report, Usage};
+use crate::report::{Report, Usage, paths_json};
 use crate::{draw, files, pictures};
+
+/// First bytes of a table.
+const MAGIC: &[u8] = b"TCTM";
 
 /// What is in a table or a rig
 #[derive(clap::Args)]
@@ -40,18 +43,24 @@ pub struct Args {
 /// Inspects.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let bytes = files::read(&args.file)?;
-    // A table is no text; one that should be a table by its name is told why it is none.
+    // One that should be a table by its name is told why it is none.
     let named_table = args.file.extension().is_some_and(|e| e == "tct");
-    if !named_table && std::str::from_utf8(&bytes).is_ok() && Tables::parse(&bytes).is_err() {
+    if !named_table && !bytes.starts_with(MAGIC) {
         if args.pictures.is_some() {
             return Err(Usage("--pictures goes with a table, not with a rig".into()).into());
         }
         let found = files::rig(&args.file)?;
         if let Some(output) = &args.output {
             files::check_outputs([output], files::rig_inputs(&args.file))?;
+            if found.stitching.is_some() && !files::are_beside([output, &args.file]) {
+                bail!(
+                    "{}: this rig names pictures that lie beside it: write it into the same folder",
+                    output.display()
+                );
+            }
             files::write(output, found.to_toml()?.as_bytes())?;
         }
-        return rig(&found, &args.file);
+        return rig(&found, args);
     }
     if args.output.is_some() {
         return Err(Usage("--output goes with a rig, not with a table".into()).into());
@@ -262,7 +271,8 @@ fn draw_mesh(
     picture
 }
 
-fn rig(rig: &Rig, file: &Path) -> anyhow::Result<Report> {
+fn rig(rig: &Rig, args: &Args) -> anyhow::Result<Report> {
+    let file = &args.file;
     let mut text = format!(
         "{}: rig {:?}\nmedium  {:?}, calibrated in {:?}; stitched for {} m\n",
         file.display(),
@@ -282,6 +292,9 @@ fn rig(rig: &Rig, file: &Path) -> anyhow::Result<Report> {
     if eyes.is_empty() {
         bail!("{}: no eye", file.display());
     }
+    if let Some(written) = &args.output {
+        let _ = writeln!(text, "written {}", written.display());
+    }
     let json = json!({
         "kind": "rig",
         "name": rig.name,
@@ -291,6 +304,7 @@ fn rig(rig: &Rig, file: &Path) -> anyhow::Result<Report> {
         "stitch_distance_m": rig.stitch_distance_m.is_finite().then_some(rig.stitch_distance_m),
         "eyes": eyes,
         "remarks": rig.remarks(),
+        "files": paths_json(args.output.as_slice()),
     });
     Ok(Report::new(text, json))
 }

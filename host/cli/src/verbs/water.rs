@@ -18,7 +18,7 @@ use crate::report::Report;
     known in air and in water gives it, such as the rim of the picture: half of both fields of \
     view. The result is a prediction: for measurements calibrate in water.")]
 pub struct Args {
-    /// Eye, calibrated in air
+    /// Eye, calibrated in air: eye file, or a calibration of OCamCalib, Kalibr, OpenCV or Basalt with one camera
     eye: PathBuf,
     /// Shape of the lens's front, 0 (dome) to 1 (flat port)
     #[arg(

@@ -237,7 +237,14 @@ fn two_eyes_are_a_rig_and_all_files() {
     let run = "calibrate --left shots --right other --board board.json --model ocam \
                -o e\u{301}.toml --calib-results c.txt --opencv o.yml --kalibr k.yaml \
                --report r.html";
-    let json = bench.json(run);
+    let output = bench.run(&format!("{run} --json"));
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    // Nobody has measured the print.
+    assert!(
+        output.status.success() && told.contains("--square-mm"),
+        "{told}"
+    );
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["pairs_used"], 10, "{json}");
     assert_eq!(json["unpaired"][0], "shots/10.png");
     // Corners of a sharp drawing, ten boards.
@@ -277,6 +284,8 @@ fn two_eyes_are_a_rig_and_all_files() {
             "{told}"
         );
         assert!(told.contains("the first camera is the left eye"), "{told}");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.contains(&format!("written {file}.toml")), "{text}");
         let written = Rig::load(&bench.path(&format!("{file}.toml"))).unwrap();
         assert_eq!((&written.left, &written.right), (&rig.left, &rig.right));
         assert!(written.name == rig.name && written.remarks().is_empty());

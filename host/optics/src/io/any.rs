@@ -34,8 +34,12 @@ impl std::fmt::Display for Format {
 }
 
 impl Format {
-    /// The format of a text, if it is one of these; the name of its file does not matter.
+    /// The format of a text, if it is one of these; the name of its file does not matter. None of them
+    /// is TOML, as rigs and eyes are.
     pub fn of(text: &str) -> Option<Self> {
+        if text.parse::<toml::Table>().is_ok() {
+            return None;
+        }
         let text = without_header(text);
         let mut lines = text
             .lines()
@@ -135,6 +139,7 @@ mod tests {
             (OCAM.to_owned(), Some(Format::OcamCalib)),
             (format!("\u{feff}{OCAM}"), Some(Format::OcamCalib)),
             ("name = \"rig\"\n".to_owned(), None),
+            ("a = '''\nK: 1\n'''\n".to_owned(), None),
             ("{ \"a\": 1 }".to_owned(), None),
             (String::new(), None),
         ] {

@@ -69,7 +69,7 @@ enum Intrinsics {
 ///
 /// # Errors
 /// [`CalibFileError`] if the text is not such a file, there is not one resolution to a camera, or a
-/// model is none of `ds`, `eucm`, `kb4`, or the first two poses are none.
+/// model is none of `ds`, `eucm`, `kb4`.
 pub fn parse(text: &str) -> Result<CameraChain, CalibFileError> {
     let file: File = serde_json::from_str(text).map_err(|error| CalibFileError::Syntax {
         format: "Basalt",
@@ -104,7 +104,7 @@ pub fn parse(text: &str) -> Result<CameraChain, CalibFileError> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     let second_from_first = match &imu_from_camera[..] {
-        [first, second, ..] if cameras.len() > 1 => Some(between(first, second)?),
+        [first, second, ..] if cameras.len() > 1 => Some(between(first, second)),
         _ => None,
     };
     Ok(CameraChain {

@@ -28,8 +28,9 @@ pub struct CalibratedCamera {
 pub struct CameraChain {
     /// Cameras in the file's order.
     pub cameras: Vec<CalibratedCamera>,
-    /// Where the second is, if the file says.
-    pub second_from_first: Option<RelativePose>,
+    /// Where the second is, if the file says; or why that is not believed, which matters only to who wants
+    /// it: each camera is good without.
+    pub second_from_first: Option<Result<RelativePose, CalibFileError>>,
 }
 
 impl From<Vec<CalibratedCamera>> for CameraChain {

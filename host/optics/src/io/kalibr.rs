@@ -30,7 +30,7 @@ struct Camera {
 ///
 /// # Errors
 /// [`CalibFileError`] if the text is not such a file, a camera's number is left out, or a model is
-/// none of `pinhole` with `equidistant`, `ds`, `eucm`, or `T_cn_cnm1` of the second is no pose.
+/// none of `pinhole` with `equidistant`, `ds`, `eucm`.
 pub fn parse(text: &str) -> Result<CameraChain, CalibFileError> {
     let mut chain: BTreeMap<String, Camera> = serde_saphyr::from_str(without_header(text))
         .map_err(|error| CalibFileError::Syntax {
@@ -48,7 +48,7 @@ pub fn parse(text: &str) -> Result<CameraChain, CalibFileError> {
     });
     Ok(CameraChain {
         cameras: cameras.collect::<Result<_, _>>()?,
-        second_from_first: from_previous.map(|rows| pose(&rows)).transpose()?,
+        second_from_first: from_previous.map(|rows| pose(&rows)),
     })
 }
 
@@ -133,7 +133,8 @@ fn numbers<const N: usize>(
 /// A chain's text, cameras named `cam0`, `cam1`, ... in their order.
 ///
 /// # Errors
-/// [`CalibFileError::NoSuchModel`] for a model that Kalibr does not have.
+/// [`CalibFileError::NoSuchModel`] for a model that Kalibr does not have; the chain's own for a pose that
+/// is none.
 pub fn to_text(chain: &CameraChain) -> Result<String, CalibFileError> {
     let mut text = String::new();
     for (index, camera) in chain.cameras.iter().enumerate() {
@@ -173,6 +174,7 @@ pub fn to_text(chain: &CameraChain) -> Result<String, CalibFileError> {
             camera.size_px
         );
         if let (1, Some(pose)) = (index, &chain.second_from_first) {
+            let pose = pose.as_ref().map_err(Clone::clone)?;
             text.push_str("  T_cn_cnm1:\n");
             let matrix = pose.rotation.matrix();
             for (row, t) in pose.translation_m.iter().enumerate() {

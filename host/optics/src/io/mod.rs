@@ -8,7 +8,8 @@
 //! | [`basalt`] | calibration JSON of Basalt | the same |
 //!
 //! All take and give text; [`any`] tells the format by the content. What is written reads
-//! back equal, bit by bit. Where a file says how its first two cameras sit to each other, that is read
+//! back equal, bit by bit, but for the line between two cameras in OpenCV's file: in mm there, it is rounded.
+//! Where a file says how its first two cameras sit to each other, that is read
 //! too ([`RelativePose`]).
 
 pub mod any;

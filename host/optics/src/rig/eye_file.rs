@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::file::{EyeFile, LensFile, Medium};
 use super::{RigError, centre, foreign, include, read};
 use crate::camera::CameraModel;
+use crate::io::any::Format;
 use crate::{Eye, Field};
 
 /// An eye as its calibration leaves it. In a file, `[eye]` has the keys of a rig's `[left]`.
@@ -71,7 +72,7 @@ impl CalibratedEye {
     /// [`RigError`] says which file, which key, what it says and what is allowed.
     pub fn load(path: &Path) -> Result<Self, RigError> {
         let (text, file) = (read::text(path)?, path.display().to_string());
-        match foreign::format(&text) {
+        match Format::of(&text) {
             Some(format) => foreign::calibrated_eye(format, &text, &file),
             None => Self::from_toml(&text, &file),
         }

@@ -9,17 +9,16 @@
 //! | field | a circle out to the farthest side of the frame, or to where the lens model ends |
 //! | stitch distance | infinity |
 //! | body | the symmetric mount nearest to the eyes ([`MountFit`]), its origin midway between them |
+//! | name | the file's, without its folder and its ending |
 //! | left eye | the first camera, unless the second then lies on its left |
 
 use std::path::Path;
-
-use toml::Table;
 
 use super::file::{EyeFile, LensFile, Medium, PoseFile, RigFile};
 use super::{CalibratedEye, Rig, RigError, centre, read};
 use crate::convention::angle_between;
 use crate::io::any::Format;
-use crate::io::{CalibratedCamera, CameraChain};
+use crate::io::{CalibFileError, CalibratedCamera, CameraChain};
 use crate::{Eye, Field, MountFit};
 
 /// Widest field that a rig may have, half-angle in rad.
@@ -29,19 +28,15 @@ const NARROWEST_RAD: f64 = 1e-3;
 /// Kept free of where a model ends, rad.
 const MODEL_MARGIN_RAD: f64 = 1e-4;
 
-/// The other tool's format of a text; `None` if it is TOML, as rigs and eyes are.
-pub(super) fn format(text: &str) -> Option<Format> {
-    match text.parse::<Table>() {
-        Ok(_) => None,
-        Err(_) => Format::of(text),
-    }
-}
-
 /// The cameras of a text, with errors that name the file.
 pub(super) fn cameras(format: Format, text: &str, file: &str) -> Result<CameraChain, RigError> {
     format
         .cameras(text)
-        .map_err(|error| keys(file, format!("read as {format}: {error}")))
+        .map_err(|error| unread(format, file, &error))
+}
+
+fn unread(format: Format, file: &str, error: &CalibFileError) -> RigError {
+    keys(file, format!("read as {format}: {error}"))
 }
 
 /// The section of an eye.
@@ -63,13 +58,14 @@ pub(super) fn calibrated_eye(
 ) -> Result<CalibratedEye, RigError> {
     let chain = cameras(format, text, file)?;
     let [camera] = &chain.cameras[..] else {
-        return Err(keys(
-            file,
-            format!(
-                "this is {format} with {} cameras, a rig: needed is one eye",
-                chain.cameras.len()
+        let count = chain.cameras.len();
+        let what = match chain.second_from_first {
+            Some(_) => format!("with {count} cameras, a rig: needed is one eye"),
+            None => format!(
+                "and holds {count} cameras: keep one of them in the file, needed is one eye"
             ),
-        ));
+        };
+        return Err(keys(file, format!("this is {format} {what}")));
     };
     let field_deg = field_deg(camera);
     let read = read::Reader { file }.camera(&eye(camera, Some(field_deg)), "eye")?;
@@ -104,6 +100,9 @@ pub(super) fn rig(format: Format, text: &str, path: &Path) -> Result<Rig, RigErr
             ),
         ));
     };
+    let pose = &pose
+        .clone()
+        .map_err(|error| unread(format, &file, &error))?;
     let fit = |pose: &crate::io::RelativePose| {
         // Left camera <- right camera, as the mount has it.
         MountFit::of(&pose.rotation.inverse(), &pose.second_centre_m())
@@ -124,7 +123,8 @@ pub(super) fn rig(format: Format, text: &str, path: &Path) -> Result<Rig, RigErr
     let mut rig = read::rig(
         RigFile {
             name: name.into_owned(),
-            source: Some(format!("{format}, {file}")),
+            // No path: one file is one rig however it is named.
+            source: Some(format.to_string()),
             medium: Medium::Air,
             calibrated_in: None,
             stitch_distance_m: f64::INFINITY,

@@ -26,6 +26,7 @@ pub use of_eye_files::RigOfEyeFiles;
 pub use stitching::{NamedFile, RgbCurves, SeamMap, Stitching, StitchingFile, WarpMap};
 
 use crate::convention::angle_between;
+use crate::io::any::Format;
 use crate::{Eye, Pose, Projection, ProjectionError, SightError};
 
 /// An eye on the body.
@@ -128,7 +129,7 @@ impl Rig {
     /// [`RigError`] says which file, which key, what it says and what is allowed.
     pub fn load(path: &Path) -> Result<Self, RigError> {
         let (text, file) = (read::text(path)?, path.display().to_string());
-        if let Some(format) = foreign::format(&text) {
+        if let Some(format) = Format::of(&text) {
             return foreign::rig(format, &text, path);
         }
         match include::resolve(&text, path)? {
@@ -163,7 +164,8 @@ impl Rig {
         &self.remarks
     }
 
-    /// The rig as text of a rig file: reading it gives an equal rig.
+    /// The rig as text of a rig file: reading it gives an equal rig, but for the remarks of one that was
+    /// read from another tool's file, which the text then says itself.
     ///
     /// # Errors
     /// Never for a rig that was read; the format's writer has its own error type.

@@ -58,13 +58,7 @@ pub fn reasons(
     let why = match fault {
         Some(Fault::Swapped) => Refusal::Swapped,
         Some(Fault::SwappedOrMirrored) => Refusal::SwappedOrMirrored,
-        Some(Fault::Mirrored(which)) => Refusal::Mirrored {
-            eye: match which {
-                [true, true] => "left and the right",
-                [true, false] => "left",
-                [false, _] => "right",
-            },
-        },
+        Some(Fault::Mirrored(eye)) => Refusal::Mirrored { eye },
         None => return outcomes,
     };
     let each = outcomes

@@ -37,9 +37,7 @@ pub fn fault(
     Some(match fault? {
         Fault::Swapped => RegistrationError::Swapped,
         Fault::SwappedOrMirrored => RegistrationError::SwappedOrMirrored,
-        Fault::Mirrored([true, true]) => RegistrationError::Mirrored("left and right"),
-        Fault::Mirrored([true, false]) => RegistrationError::Mirrored("left"),
-        Fault::Mirrored([false, _]) => RegistrationError::Mirrored("right"),
+        Fault::Mirrored(eyes) => RegistrationError::Mirrored(eyes),
     })
 }
 

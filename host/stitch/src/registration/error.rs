@@ -55,7 +55,7 @@ pub enum RegistrationError {
     /// is the same.
     #[error("{}", fault::swapped_or_mirrored("points"))]
     SwappedOrMirrored,
-    /// Pictures are mirrored: "left", "right" or "left and right".
+    /// Pictures are mirrored: "left", "right" or "left and the right".
     #[error("the {0} pictures are mirrored: turn off mirroring in the camera or the tool")]
     Mirrored(&'static str),
     /// The eyes are not where the rig says, by far.

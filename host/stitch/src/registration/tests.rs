@@ -257,7 +257,7 @@ fn faults_are_named() {
         register(&unlike, &ties, &options).unwrap_err()
     };
     assert_eq!(refused_of_unlike(&swap), RegistrationError::Swapped);
-    let both = RegistrationError::Mirrored("left and right");
+    let both = RegistrationError::Mirrored("left and the right");
     assert_eq!(refused_of_unlike(&mirror), both);
     assert!(matches!(
         refused(&ties[..3]),

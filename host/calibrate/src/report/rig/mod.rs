@@ -9,8 +9,12 @@ use tectum_optics::convention::yaw_pitch;
 use tectum_page::plot::Plot;
 use tectum_page::svg::{captioned, escape, figure};
 
+use super::verdict::Trust;
 use crate::stereo::StereoCalibration;
 use crate::{Board, Calibration, ViewFit};
+
+/// Share of pairs left out from which on the others are doubtful too.
+const MANY_LEFT_OUT: f64 = 0.2;
 
 /// Everything that the report of two eyes shows.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +31,8 @@ pub struct RigReportInput<'a> {
     pub board: Board,
     /// Medium in which the pictures were taken.
     pub medium: Medium,
+    /// How far each eye's own calibration can be trusted, by [`super::judge`].
+    pub trust: [Trust; 2],
     /// Each eye's own report, by [`super::section`].
     pub sections: [&'a str; 2],
 }
@@ -56,7 +62,28 @@ fn head(input: &RigReportInput) -> String {
             ),
         );
     }
+    let (left_out, fitted) = (both.left_out.len(), used + both.left_out.len());
+    if left_out as f64 >= MANY_LEFT_OUT * fitted as f64 && left_out > 0 {
+        advice.push(format!(
+            "{left_out} of {fitted} pairs were left out: does the board move between the two pictures, do the \
+             cameras' clocks differ?"
+        ));
+    }
+    for (trust, eye) in input.trust.iter().zip(["left", "right"]) {
+        match trust {
+            Trust::Whole => {}
+            Trust::Within(_) | Trust::Care => {
+                advice.push(format!(
+                    "use the {eye} eye with care: its own report says why"
+                ));
+            }
+            Trust::No => {
+                advice.push(format!("do not use the {eye} eye: its own report says why"));
+            }
+        }
+    }
     let class = match advice.is_empty() {
+        _ if input.trust.contains(&Trust::No) => "bad",
         true => "good",
         false => "care",
     };

@@ -48,15 +48,39 @@ fn the_page_shows_pairs_mount_and_both_eyes() {
         "<a href=\"#left-coverage\">x</a><p id=\"left-coverage\">y</p>"
     );
     let names = ["a<1>.png", "b.png", "c.png"].map(String::from);
-    let page = html(&RigReportInput {
+    let input = RigReportInput {
         rig: "fish & co",
         both: &both,
         eyes: [&session.calibration, &beside],
         pairs: &names,
         board: session.board,
         medium: Medium::Water,
+        trust: [Trust::Whole, Trust::Whole],
         sections: [&section, ""],
-    });
+    };
+    let page = html(&input);
+    // One pair of three is left out.
+    assert!(page.contains("verdict care") && page.contains("1 of 3 pairs were left out"));
+    let all = StereoCalibration {
+        left_out: Vec::new(),
+        ..both.clone()
+    };
+    for (trust, class) in [
+        (Trust::Whole, "verdict good"),
+        (Trust::Care, "verdict care"),
+        (Trust::No, "verdict bad"),
+    ] {
+        let page = html(&RigReportInput {
+            both: &all,
+            trust: [Trust::Whole, trust],
+            ..input
+        });
+        assert!(page.contains(class), "{class}");
+        assert_eq!(
+            page.contains("its own report says why"),
+            trust != Trust::Whole
+        );
+    }
     for part in [
         "Rig fish &amp; co",
         "2 <small>of 3</small>",

@@ -46,7 +46,7 @@ const SEAM_PX: [u16; 2] = [2048, 1024];
 pub struct Args {
     /// Table that the pictures were stitched with
     table: PathBuf,
-    /// Rig file that the table was baked from
+    /// What the table was baked from: rig file, or a calibration of Kalibr, OpenCV or Basalt with two cameras
     #[arg(long, value_name = "RIG.toml")]
     rig: PathBuf,
     /// Stitched pictures with the board on the fish's left

@@ -23,6 +23,25 @@ pub fn of_eye(file: &Path, side: &str, ending: &str) -> PathBuf {
     file.with_file_name(format!("{stem}-{side}.{ending}"))
 }
 
+/// Files of both eyes of a rig that is written to `rig`.
+pub fn eye_files(rig: &Path) -> [PathBuf; 2] {
+    // Whatever the rig's ending: eyes are TOML.
+    ["left", "right"].map(|side| of_eye(&rig.with_extension("toml"), side, "toml"))
+}
+
+/// Refuses what could not be written after all the work.
+pub fn check(args: &Args, sizes_px: [[u32; 2]; 2]) -> anyhow::Result<()> {
+    if args.opencv.is_some() && sizes_px[0] != sizes_px[1] {
+        bail!("--opencv: its stereo file has one size of pictures, the eyes have {sizes_px:?}");
+    }
+    Ok(())
+}
+
+/// Left camera to right camera.
+fn relative(both: &StereoCalibration) -> RelativePose {
+    RelativePose::of_second(&both.rotation, &(both.position_mm / 1000.0))
+}
+
 /// The files beside the rig and its eyes.
 pub fn files(args: &Args) -> Vec<PathBuf> {
     let sides = ["left", "right"].into_iter();
@@ -57,7 +76,7 @@ pub fn add(
         return Ok(());
     }
     let both = of_model(args, problems, own, Model::KannalaBrandt)?;
-    let pose = RelativePose::of_second(&both.rotation, &(both.position_mm / 1000.0));
+    let pose = relative(&both);
     if let Some(file) = &args.kalibr {
         let cameras = sides(&both).into_iter().zip(sizes_px);
         let chain = CameraChain {
@@ -67,14 +86,11 @@ pub fn add(
                     size_px,
                 })
                 .collect(),
-            second_from_first: Some(pose),
+            second_from_first: Some(Ok(pose)),
         };
         group.add(file, kalibr::to_text(&chain)?);
     }
     if let Some(file) = &args.opencv {
-        if sizes_px[0] != sizes_px[1] {
-            bail!("--opencv: its stereo file has one size of pictures, the eyes have {sizes_px:?}");
-        }
         let (CameraModel::KannalaBrandt(left), CameraModel::KannalaBrandt(right)) =
             (&both.left, &both.right)
         else {
@@ -113,4 +129,45 @@ fn of_model(
         .map(|problem| solve::calibrate(problem, &options));
     let (left, right) = (left.context("export")?, right.context("export")?);
     stereo::calibrate((&problems[0], &left), (&problems[1], &right)).context("export")
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation3, Vector3};
+    use tectum_optics::camera::Equidistant;
+
+    use super::*;
+
+    #[test]
+    fn what_is_exported_maps_points_as_the_rig_does() {
+        let lens = CameraModel::Equidistant(Equidistant::new(170.0, [240.0, 180.0]).unwrap());
+        let both = StereoCalibration {
+            rotation: Rotation3::new(Vector3::new(0.02, 0.17, -0.03)),
+            rotation_standard_error_rad: Vector3::zeros(),
+            position_mm: Vector3::new(60.0, 2.0, -5.0),
+            position_standard_error_mm: Vector3::zeros(),
+            left: lens.clone(),
+            right: lens,
+            parameters: [Vec::new(), Vec::new()],
+            pairs_rms_px: Vec::new(),
+            left_out: Vec::new(),
+            alone_rms_px: 0.1,
+            rms_px: 0.1,
+        };
+        let point = Vector3::new(0.4, -0.2, 1.5);
+        let [left, right] = both.poses();
+        let in_body = left.rotation * point + left.position_m;
+        let in_right = right.rotation.inverse() * (in_body - right.position_m);
+        let pose = relative(&both);
+        // Rounding.
+        let off = pose.rotation * point + pose.translation_m - in_right;
+        assert!(off.norm() < 1e-12, "{off}");
+    }
+
+    #[test]
+    fn eyes_are_toml_whatever_the_rigs_ending() {
+        let [left, right] = eye_files(Path::new("out/fish.rig"));
+        assert_eq!(left, Path::new("out/fish-left.toml"));
+        assert_eq!(right, Path::new("out/fish-right.toml"));
+    }
 }

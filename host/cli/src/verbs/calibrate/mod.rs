@@ -59,7 +59,7 @@ pub struct Args {
     /// Side of a square, measured on the print, mm (default with a .json: as it was to be printed)
     #[arg(long, value_name = "MM", value_parser = square_mm)]
     square_mm: Option<f64>,
-    /// Eye file to write
+    /// Eye file to write; with both eyes the rig's file, beside OUT-left.toml and OUT-right.toml
     #[arg(short, long, value_name = "EYE.toml")]
     output: PathBuf,
     /// Report to write: one HTML page, of both eyes where both are calibrated
@@ -165,6 +165,12 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     if args.square_mm.or(args.board.square_mm).is_none() {
         let needed = "--square-mm is needed: the side of a square, measured on the print";
         return Err(Usage(needed.into()).into());
+    }
+    if let (None, Some(square_mm)) = (args.square_mm, args.board.square_mm) {
+        files::note(&format!(
+            "squares of {square_mm} mm, as they were to be printed: printers scale. Measure the print and say \
+             --square-mm"
+        ));
     }
     if let (Some(left), Some(right)) = (&args.left, &args.right) {
         return stereo::run(args, [left, right]);

@@ -25,13 +25,14 @@ const NEAR_MM: f64 = 1000.0;
 
 /// Calibrates both eyes and their relative pose.
 pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
-    let names = ["left", "right"].map(|side| exports::of_eye(&args.output, side, "toml"));
+    let names = exports::eye_files(&args.output);
     let inputs = list(&folders.map(Path::to_owned))?;
     let others = exports::files(args);
     files::check_outputs(names.iter().chain([&args.output]).chain(&others), inputs)?;
     let [left, right] = folders.map(|folder| shots::take(args, &[folder.to_owned()]));
     let shots = [left?, right?];
     let kept = |error| shots[0].and_kept(error);
+    exports::check(args, [shots[0].size_px, shots[1].size_px]).map_err(kept)?;
     let [left, right] = [&shots[0], &shots[1]].map(Shots::files);
     let pairs = pair_by_name(&left, &right)?;
     let of_pair = |[index, _]: &[usize; 2]| left[*index].display().to_string();
@@ -108,9 +109,11 @@ fn page(
             shots: &shots[side],
             calibration: by_picture(&eyes[side], &shots[side], rows, side),
         };
-        outputs::with_report_input(args, &eye, (name, usize::MAX), report::section)
+        outputs::with_report_input(args, &eye, (name, usize::MAX), |input| {
+            (report::section(input), report::judge(input).trust)
+        })
     };
-    let sections = [section(0, "left")?, section(1, "right")?];
+    let [(left, left_trust), (right, right_trust)] = [section(0, "left")?, section(1, "right")?];
     Ok(rig_report::html(&RigReportInput {
         rig: &outputs::name(args),
         both,
@@ -118,7 +121,8 @@ fn page(
         pairs: pictures,
         board: args.board(),
         medium: args.medium.into(),
-        sections: [&sections[0], &sections[1]],
+        trust: [left_trust, right_trust],
+        sections: [&left, &right],
     }))
 }
 

@@ -66,9 +66,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         None => (Rig::from_toml(RIG, "the demo's rig")?, RIG.to_owned()),
         Some(path) => {
             let rig = files::rig(path)?;
-            let text = match rig.remarks() {
-                [] => String::from_utf8(files::read(path)?)?,
-                _ => rig.to_toml()?,
+            let text = String::from_utf8(files::read(path)?)?;
+            let text = match tectum_optics::io::any::Format::of(&text) {
+                None => text,
+                Some(_) => rig.to_toml()?,
             };
             (rig, text)
         }

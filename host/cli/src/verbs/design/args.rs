@@ -48,10 +48,11 @@ pub struct Args {
     /// Sides of a sensor that is as wide as the image circle and clips it above and below
     #[arg(long, value_name = "W:H", requires = "theta")]
     pub sensor: Option<Sensor>,
-    /// Calibrated eye, the same on both sides, for the field
+    /// Calibrated eye, the same on both sides, for the field: eye file, or a calibration of OCamCalib, Kalibr,
+    /// OpenCV or Basalt with one camera
     #[arg(long, value_name = "EYE.toml", conflicts_with = "rig")]
     pub eye: Option<PathBuf>,
-    /// Rig, for both fields and where they look
+    /// Rig, for both fields and where they look: rig file, or a calibration of Kalibr, OpenCV or Basalt with two cameras
     #[arg(long, value_name = "RIG.toml")]
     pub rig: Option<PathBuf>,
     /// What a wish, and pictures, are for

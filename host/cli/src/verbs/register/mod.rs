@@ -48,7 +48,7 @@ const LOOKED_AT: usize = 12;
     Beside OUT.toml are written pictures that it names: OUT-seam-HASH.png, OUT-tone-HASH.png and\n\
     OUT-warp-HASH.png. All are written before OUT.toml, which is replaced last.")]
 pub struct Args {
-    /// Rig file to begin with
+    /// Rig file to begin with, or a calibration of Kalibr, OpenCV or Basalt with two cameras
     rig: PathBuf,
     #[command(flatten)]
     pairs: PairArgs,

@@ -35,7 +35,7 @@ use crate::{files, pictures, pool};
     6 water surface (Snell's window), 7 water surface (mirror), 8 hall,\n                  \
     9 back of a print, 1000+k board, 2000+k marker, 3000+k solid")]
 pub struct Args {
-    /// Rig file
+    /// Rig file, or a calibration of Kalibr, OpenCV or Basalt with two cameras
     rig: PathBuf,
     /// Folder to write to
     #[arg(short, long, value_name = "DIR")]

@@ -8,8 +8,10 @@ use super::{FileStorage, Matrix};
 use crate::camera::{CameraModel, KannalaBrandt};
 use crate::io::{CalibFileError, CalibratedCamera, CameraChain, RelativePose, checked_size_px};
 
-/// `T` has the unit of the board that the calibration was given, which the file does not tell: a length
-/// from here on is in mm, a shorter one in m.
+/// Word for the unit of `T`, which OpenCV does not write.
+const UNIT: &str = "T_unit";
+/// Without the word `T` has the unit of the board that the calibration was given: a length from here on is
+/// in mm, a shorter one in m.
 const SHORTEST_MM: f64 = 1.0;
 
 /// A camera of `cv::fisheye`.
@@ -36,8 +38,9 @@ impl FileStorage {
         self.check_model()?;
         Ok(FisheyeCalib {
             model: self.camera(
-                &["K", "Camera_Matrix", "camera_matrix"],
-                &["D", "Distortion_Coefficients", "distortion_coefficients"],
+                ["K", "Camera_Matrix", "camera_matrix"],
+                ["D", "Distortion_Coefficients", "distortion_coefficients"],
+                None,
             )?,
             size_px: self.image_size_px()?,
         })
@@ -46,8 +49,8 @@ impl FileStorage {
     /// All cameras of a file: those of `cv::fisheye::stereoCalibrate` (`K1`, `D1`, `K2`, `D2`; `M1` and
     /// `cameraMatrix1` pass for `K1`), with their pose if `R` and `T` are there, or the one of
     /// [`FileStorage::fisheye`]. `R` and `T` map points from the first camera's frame into the
-    /// second's. The unit of `T` is not in the file: a length of 1 and more is taken in mm, a shorter
-    /// one in m.
+    /// second's. The unit of `T` is what `T_unit` says, `mm` or `m`; OpenCV does not write it: then a length of 1 and
+    /// more is taken in mm, a shorter one in m.
     ///
     /// # Errors
     /// As [`FileStorage::fisheye`]; also if the file does not say how large the pictures are.
@@ -63,26 +66,28 @@ impl FileStorage {
             size_px,
         };
         let first_of_two = ["K1", "M1", "cameraMatrix1"];
-        let has = |name: &&str| self.matrices.contains_key(*name);
-        if !first_of_two.iter().any(has) {
+        let Some(spelling) = self.spelling(first_of_two) else {
             return Ok(vec![of_model(self.fisheye()?.model)].into());
-        }
+        };
         self.check_model()?;
-        let first = self.camera(&first_of_two, &["D1", "distCoeffs1"])?;
-        let second = self.camera(&["K2", "M2", "cameraMatrix2"], &["D2", "distCoeffs2"])?;
+        let camera = |k_names, d_names| self.camera(k_names, d_names, Some(spelling));
+        let first = camera(first_of_two, ["D1", "D1", "distCoeffs1"])?;
+        let second = camera(["K2", "M2", "cameraMatrix2"], ["D2", "D2", "distCoeffs2"])?;
         Ok(CameraChain {
             cameras: [first, second].map(of_model).into(),
-            second_from_first: self.pose()?,
+            second_from_first: self.pose().transpose(),
         })
     }
 
-    /// A file as `cv::fisheye::stereoCalibrate` would leave it, `T` in mm.
+    /// A file as `cv::fisheye::stereoCalibrate` would leave it, `T` in mm,
+    /// which `T_unit` says.
     pub fn of_stereo(models: [&KannalaBrandt; 2], size_px: [u16; 2], pose: &RelativePose) -> Self {
         let [first, second] = models;
         let rotation = pose.rotation.matrix().transpose();
         let translation_mm = pose.translation_m * 1000.0;
         let mut storage = Self::default();
         storage.set_size_px(size_px);
+        storage.words = BTreeMap::from([(UNIT.to_owned(), "mm".to_owned())]);
         storage.matrices = BTreeMap::from([
             ("K1".to_owned(), camera_matrix(first)),
             ("D1".to_owned(), column(&first.distortion)),
@@ -108,9 +113,15 @@ impl FileStorage {
             return Err(CalibFileError::value("T", &shape(t), "3x1"));
         };
         let length = Vector3::new(x, y, z);
-        let metres = match length.norm() < SHORTEST_MM {
-            true => length,
-            false => length / 1000.0,
+        let is_mm = match self.words.get(UNIT).map(|unit| &**unit) {
+            None => length.norm() >= SHORTEST_MM,
+            Some("mm") => true,
+            Some("m") => false,
+            Some(unit) => return Err(CalibFileError::value(UNIT, unit, "mm, m")),
+        };
+        let metres = match is_mm {
+            true => length / 1000.0,
+            false => length,
         };
         let rotation = Matrix3::from_row_slice(&r.data);
         RelativePose::checked(&rotation, &metres, "R, T").map(Some)
@@ -134,14 +145,21 @@ impl FileStorage {
         }
     }
 
-    /// The camera of two matrices, each by the first of its names that is there.
+    /// The camera of two matrices, each by the first of its names that is there; one that is missing is
+    /// named by the `spelling` of the file's others.
     fn camera(
         &self,
-        k_names: &[&'static str],
-        d_names: &[&'static str],
+        k_names: [&'static str; 3],
+        d_names: [&'static str; 3],
+        spelling: Option<usize>,
     ) -> Result<KannalaBrandt, CalibFileError> {
-        let (k_name, k) = self.first_of(k_names)?;
-        let (d_name, d) = self.first_of(d_names)?;
+        let spelling = spelling.or(self.spelling(k_names)).unwrap_or(2);
+        let matrix = |names: [&'static str; 3]| {
+            let name = names[self.spelling(names).unwrap_or(spelling)];
+            Ok((name, self.matrix(name)?))
+        };
+        let (k_name, k) = matrix(k_names)?;
+        let (d_name, d) = matrix(d_names)?;
         let (&[fx, skew, cx, zero, fy, cy, ..], 3, 3) = (&k.data[..], k.rows, k.cols) else {
             return Err(CalibFileError::value(k_name, &shape(k), "3x3"));
         };
@@ -191,14 +209,10 @@ impl FileStorage {
         self.numbers = sides.map(|(name, n)| (name.to_owned(), n.into())).into();
     }
 
-    /// The first matrix that is there; the last name stands for all that are not.
-    fn first_of(&self, names: &[&'static str]) -> Result<(&'static str, &Matrix), CalibFileError> {
-        let there = names
-            .iter()
-            .find(|name| self.matrices.contains_key(**name))
-            .or(names.last());
-        let name = there.copied().unwrap_or_default();
-        Ok((name, self.matrix(name)?))
+    /// Which of a matrix's names is there, the first if several are.
+    fn spelling(&self, names: [&str; 3]) -> Option<usize> {
+        let mut names = names.iter();
+        names.position(|name| self.matrices.contains_key(*name))
     }
 }
 

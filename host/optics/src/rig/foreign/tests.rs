@@ -101,7 +101,7 @@ fn a_chain_of_kalibr_is_the_rig_it_was_written_from() {
         };
         let chain = CameraChain {
             cameras: cameras.map(camera).into(),
-            second_from_first: Some(relative(&truth(), first)),
+            second_from_first: Some(Ok(relative(&truth(), first))),
         };
         let text = kalibr::to_text(&chain).unwrap();
         assert!(text.contains("T_cn_cnm1"), "{text}");
@@ -122,7 +122,7 @@ fn what_a_chain_says_of_a_point_the_rig_says_too() {
     let pose = relative(&truth(), 0);
     let chain = CameraChain {
         cameras: models().each_ref().map(camera).into(),
-        second_from_first: Some(pose),
+        second_from_first: Some(Ok(pose)),
     };
     let rig = load(&kalibr::to_text(&chain).unwrap()).unwrap();
     let [left, right] = [&rig.left, &rig.right].map(|eye| eye.as_ref().unwrap());
@@ -186,8 +186,13 @@ fn one_camera_is_an_eye_and_two_are_a_rig() {
         [960, 720],
         &relative(&truth(), 0),
     );
-    let refused = calibrated_eye(Format::OpenCv, &storage.to_text(), "two.yml").unwrap_err();
+    let both = storage.to_text();
+    let refused = calibrated_eye(Format::OpenCv, &both, "two.yml").unwrap_err();
     assert!(refused.to_string().contains("a rig: needed is one eye"));
+    let without = both.replace("R:", "E:").replace("T:", "F:");
+    let refused = calibrated_eye(Format::OpenCv, &without, "two.yml").unwrap_err();
+    let told = "holds 2 cameras: keep one of them in the file";
+    assert!(refused.to_string().contains(told), "{refused}");
 }
 
 #[test]
@@ -204,4 +209,43 @@ fn a_field_ends_where_its_model_ends() {
     let section = eye(&camera, Some(full));
     let read = read::Reader { file: "f" }.camera(&section, "eye");
     assert!(read.is_ok(), "{:?}", read.err());
+}
+
+#[test]
+fn a_file_is_one_rig_however_its_path_is_spelled() {
+    let storage = FileStorage::of_stereo(
+        [&models()[0], &models()[1]],
+        [960, 720],
+        &relative(&truth(), 0),
+    );
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    std::fs::write(folder.path().join("two.yml"), storage.to_text()).unwrap();
+    let [plain, round] =
+        ["two.yml", "sub/../two.yml"].map(|path| Rig::load(&folder.path().join(path)).unwrap());
+    assert_eq!(plain.fingerprint(), round.fingerprint());
+    assert_eq!(round.name, "two");
+}
+
+#[test]
+fn a_pose_that_is_not_believed_spoils_no_lens() {
+    let chain = CameraChain {
+        cameras: models().each_ref().map(camera).into(),
+        second_from_first: Some(Ok(relative(&truth(), 0))),
+    };
+    let text = kalibr::to_text(&chain).unwrap();
+    let broken = text.replace("- [0.0, 0.0, 0.0, 1.0]", "- [0.0, 0.0, 0.0, 2.0]");
+    assert_ne!(broken, text);
+    let refused = load(&broken).unwrap_err();
+    assert!(refused.contains("a last row 0, 0, 0, 1"), "{refused}");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("two.yaml"), broken).unwrap();
+    let rig = "name = \"one\"\nmedium = \"air\"\nstitch_distance_m = inf\n[mount]\npsi_deg = 25.7\n\
+        tau_deg = 29.15\n[right]\nfile = \"two.yaml\"\nfield_deg = 90.0\n";
+    std::fs::write(folder.path().join("rig.toml"), rig).unwrap();
+    let rig = Rig::load(&folder.path().join("rig.toml")).unwrap();
+    let CameraModel::KannalaBrandt(lens) = rig.right.unwrap().eye.model else {
+        panic!("another lens");
+    };
+    assert_eq!(lens.focal_px, [303.0; 2]);
 }
