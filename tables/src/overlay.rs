@@ -53,12 +53,7 @@ impl<'a> Overlay<'a> {
             && header.glyph_width_px.max(header.glyph_height_px) <= MAX_GLYPH_PX
             && header.reserved == 0
             && overlay.lines.iter().all(OverlayLine::is_sound)
-            && overlay.bands.iter().all(|band| {
-                band.last_line() <= overlay.lines.len()
-                    && band.last_placement() <= overlay.placements.len()
-            })
-            && (0..overlay.bands.len() as u16)
-                .all(|band| is_bounded(overlay.lines(band), overlay.placements(band), size_px[0]));
+            && overlay.bands.iter().all(|band| overlay.has_bounded(band));
         if sound {
             Ok(overlay)
         } else {
@@ -108,26 +103,41 @@ impl<'a> Overlay<'a> {
         self.header.dark
     }
 
+    /// Whether a band's records are there and bounded.
+    fn has_bounded(&self, band: &OverlayBand) -> bool {
+        match (self.lines_of(band), self.placements_of(band)) {
+            (Some(lines), Some(placements)) => is_bounded(lines, placements, self.size_px[0]),
+            _ => false,
+        }
+    }
+
+    #[inline]
+    fn lines_of(&self, band: &OverlayBand) -> Option<&'a [OverlayLine]> {
+        let first = usize::from(band.first_line.get());
+        self.lines.get(first..first + usize::from(band.lines.get()))
+    }
+
+    #[inline]
+    fn placements_of(&self, band: &OverlayBand) -> Option<&'a [Placement]> {
+        let first = usize::from(band.first_placement.get());
+        self.placements
+            .get(first..first + usize::from(band.placements.get()))
+    }
+
     /// Lines of a band; none for one that does not exist.
     #[inline]
     pub fn lines(&self, band: u16) -> &'a [OverlayLine] {
         let band = self.bands.get(usize::from(band));
-        let of = |band: &OverlayBand| {
-            let first = usize::from(band.first_line.get());
-            self.lines.get(first..band.last_line())
-        };
-        band.and_then(of).unwrap_or_default()
+        band.and_then(|band| self.lines_of(band))
+            .unwrap_or_default()
     }
 
     /// Glyphs that have a row, or an edge, in a band; none for one that does not exist.
     #[inline]
     pub fn placements(&self, band: u16) -> &'a [Placement] {
         let band = self.bands.get(usize::from(band));
-        let of = |band: &OverlayBand| {
-            let first = usize::from(band.first_placement.get());
-            self.placements.get(first..band.last_placement())
-        };
-        band.and_then(of).unwrap_or_default()
+        band.and_then(|band| self.placements_of(band))
+            .unwrap_or_default()
     }
 
     /// Height of glyphs, px.
@@ -160,29 +170,18 @@ impl<'a> Overlay<'a> {
 /// Whether a band's records keep to [`MAX_BAND_RECORDS`] and [`MAX_BAND_REACH`], which bound the work
 /// for each of its rows.
 pub fn is_bounded(lines: &[OverlayLine], placements: &[Placement], width_px: u16) -> bool {
-    let reaches_units = lines.iter().map(|line| {
-        let [x0, x1] = line.x_units();
-        x0.abs_diff(x1)
-    });
     let most_units = MAX_BAND_REACH * u32::from(width_px) * LINE_UNITS as u32;
-    lines.len().max(placements.len()) <= MAX_BAND_RECORDS
-        && reaches_units.sum::<u32>() <= most_units
+    let left = lines.iter().try_fold(most_units, |left, line| {
+        let [x0, x1] = line.x_units();
+        left.checked_sub(x0.abs_diff(x1))
+    });
+    lines.len().max(placements.len()) <= MAX_BAND_RECORDS && left.is_some()
 }
 
 impl OverlayLine {
     fn is_sound(&self) -> bool {
         let [y0, y1] = self.y_units();
         y0 <= y1 && y1 <= i32::from(BAND_ROWS) * LINE_UNITS
-    }
-}
-
-impl OverlayBand {
-    fn last_line(&self) -> usize {
-        usize::from(self.first_line.get()) + usize::from(self.lines.get())
-    }
-
-    fn last_placement(&self) -> usize {
-        usize::from(self.first_placement.get()) + usize::from(self.placements.get())
     }
 }
 
