@@ -15,7 +15,7 @@ const MOST_LOOKED_AT: usize = 64;
 /// The picture files of a folder in the order of their names, hidden ones left out, or one picture:
 /// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt. Files of 16
 /// bits have the bits that the largest value in the set needs, of both eyes where they are paired, so that all
-/// are brightened alike; of a long set [`MOST_LOOKED_AT`] pictures tell, and what is brighter is white.
+/// are brightened alike; of a long set 64 pictures tell, and what is brighter is white.
 #[derive(Debug)]
 pub struct Pictures {
     name: String,
