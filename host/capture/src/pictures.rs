@@ -10,7 +10,7 @@ use crate::source::{Frame, FrameSource, Next};
 use crate::{CaptureError, FrameFormat, Health, JpegDamage, Layout, check_jpeg};
 
 /// Pictures of 16 bits that are looked at beforehand, of each folder, evenly spread.
-const MOST_LOOKED_AT: usize = 64;
+const MAX_LOOKED_AT: usize = 64;
 
 /// The picture files of a folder in the order of their names, hidden ones left out, or one picture:
 /// 8-bit RGB frames, the n-th at time n. A file that cannot be decoded counts as corrupt. Files of 16
@@ -99,7 +99,7 @@ impl Pictures {
 
 /// The most bits that pictures of a set use; those that cannot be read are told when their turn comes.
 fn bits_of(files: &[PathBuf]) -> u32 {
-    let every = files.len().div_ceil(MOST_LOOKED_AT).max(1);
+    let every = files.len().div_ceil(MAX_LOOKED_AT).max(1);
     let looked_at = files.iter().step_by(every).filter(|file| is_deep(file));
     let bits = looked_at.filter_map(|file| Some(decode(file).ok()?.bits));
     bits.max().unwrap_or(8)

@@ -30,7 +30,7 @@ pub fn load_gray(path: &Path) -> anyhow::Result<GrayImage> {
     Ok(decode(path)?.into_luma8())
 }
 
-/// An 8-bit gray picture from the bytes of its file, or why there is none.
+/// An 8-bit gray picture from the bytes of its file, or why they cannot be decoded.
 pub fn gray(bytes: &[u8]) -> Result<GrayImage, String> {
     let picture = tectum_capture::decode_picture(bytes).map_err(|error| error.to_string());
     Ok(picture?.into_luma8())

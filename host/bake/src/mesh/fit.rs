@@ -161,15 +161,7 @@ fn solve(grid: &Grid, targets: &Targets, pixel_weights: &[f64]) -> Vec<[f64; 2]>
     for i in 0..numbers.count() {
         matrix.add(i, i, 1e-12);
     }
-    let factor = matrix
-        .factor()
-        .expect("a sum of squares with a ridge is positive definite");
-    for side in &mut right {
-        factor.solve(side);
-    }
-    let [x, y] = &right;
-    let places = numbers.all_by_row();
-    places.map(|i| [x[i], y[i]]).collect()
+    numbers.solved(matrix, right)
 }
 
 /// Numbers of the vertices in the equations: along the shorter side of the grid first, which keeps the
@@ -201,9 +193,22 @@ impl Numbers {
         }
     }
 
+    /// The numbers of all vertices, row by row.
     fn all_by_row(&self) -> impl Iterator<Item = usize> + '_ {
         let row = move |y: usize| (0..self.columns).map(move |x| self.of_vertex(x, y));
         (0..self.rows).flat_map(row)
+    }
+
+    /// The vertices that solve the equations for x and y, row by row.
+    fn solved(&self, matrix: Banded, mut right: [Vec<f64>; 2]) -> Vec<[f64; 2]> {
+        let factor = matrix
+            .factor()
+            .expect("a sum of squares with a ridge is positive definite");
+        for side in &mut right {
+            factor.solve(side);
+        }
+        let [x, y] = &right;
+        self.all_by_row().map(|i| [x[i], y[i]]).collect()
     }
 }
 
@@ -310,51 +315,49 @@ fn pull_in(vertices: &mut [[f64; 2]], held: &[bool]) {
 /// differences of neighbours. What goes on straight from both sides of a hole bulges in its middle,
 /// and neighbours there may lie farther apart than the format allows, though nothing is shown.
 fn spread(grid: &Grid, vertices: &mut [[f64; 2]], held: &[bool]) {
-    let [columns, rows] = grid.vertices();
-    let mut matrix = Banded::zero(columns * rows, columns);
-    let mut right = [0, 1].map(|axis| {
-        let kept = vertices.iter().zip(held);
-        kept.map(|(v, held)| if *held { v[axis] } else { 0.0 })
-            .collect::<Vec<f64>>()
-    });
-    for (i, held) in held.iter().enumerate() {
+    let numbers = Numbers::of(grid);
+    let mut matrix = Banded::zero(numbers.count(), numbers.stride());
+    let mut right = [vec![0.0; numbers.count()], vec![0.0; numbers.count()]];
+    for ((i, held), vertex) in numbers.all_by_row().zip(held).zip(&*vertices) {
         // A trace for vertices that nothing else ties.
         matrix.add(i, i, if *held { 1.0 } else { 1e-12 });
+        for (right, place) in right.iter_mut().zip(vertex).filter(|_| *held) {
+            right[i] = *place;
+        }
     }
-    let mut tie = |a: usize, b: usize| {
-        for (one, other) in [(a, b), (b, a)] {
+    let row_by_row = |[x, y]: [usize; 2]| y * numbers.columns + x;
+    let mut tie = |a: [usize; 2], b: [usize; 2]| {
+        let [number_a, number_b] = [a, b].map(|[x, y]| numbers.of_vertex(x, y));
+        let [a, b] = [a, b].map(row_by_row);
+        for (one, other, number) in [(a, b, number_a), (b, a, number_b)] {
             if held[one] {
                 continue;
             }
-            matrix.add(one, one, 1.0);
+            matrix.add(number, number, 1.0);
             if held[other] {
                 for (right, place) in right.iter_mut().zip(vertices[other]) {
-                    right[one] += place;
+                    right[number] += place;
                 }
             }
         }
         if !held[a] && !held[b] {
-            matrix.add(b, a, -1.0);
+            matrix.add(number_b, number_a, -1.0);
         }
     };
-    for i in 0..columns * rows {
-        if i % columns + 1 < columns {
-            tie(i, i + 1);
-        }
-        if i / columns + 1 < rows {
-            tie(i, i + columns);
+    for y in 0..numbers.rows {
+        for x in 0..numbers.columns {
+            if x + 1 < numbers.columns {
+                tie([x, y], [x + 1, y]);
+            }
+            if y + 1 < numbers.rows {
+                tie([x, y], [x, y + 1]);
+            }
         }
     }
-    let factor = matrix
-        .factor()
-        .expect("a sum of squares with a ridge is positive definite");
-    for side in &mut right {
-        factor.solve(side);
-    }
-    let [x, y] = right;
-    for ((vertex, held), (x, y)) in vertices.iter_mut().zip(held).zip(x.into_iter().zip(y)) {
+    let spread = numbers.solved(matrix, right);
+    for ((vertex, held), place) in vertices.iter_mut().zip(held).zip(spread) {
         if !held {
-            *vertex = [x, y];
+            *vertex = place;
         }
     }
 }

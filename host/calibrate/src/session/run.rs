@@ -92,7 +92,7 @@ pub struct Session {
     decode: Decode,
 }
 
-/// A picture from the bytes of its file, or why there is none.
+/// A picture from the bytes of its file, or why they cannot be decoded.
 pub type Decode = fn(&[u8]) -> Result<GrayImage, String>;
 
 impl Session {

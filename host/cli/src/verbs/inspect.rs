@@ -12,15 +12,12 @@ use tectum_core::{Channel, Eye};
 use tectum_optics::convention::yaw_pitch;
 use tectum_optics::design::Area;
 use tectum_optics::{Rig, RigEye};
-use tectum_tables::{Mesh, RunKind, Tables};
+use tectum_tables::{MAGIC, Mesh, RunKind, Tables};
 
 use crate::areas;
 use crate::ranges::{range_json, range_line};
 use crate::report::{Report, Usage, paths_json};
 use crate::{draw, files, pictures};
-
-/// First bytes of a table.
-const MAGIC: &[u8] = b"TCTM";
 
 /// What is in a table or a rig
 #[derive(clap::Args)]
@@ -43,9 +40,9 @@ pub struct Args {
 /// Inspects.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
     let bytes = files::read(&args.file)?;
-    // One that should be a table by its name is told why it is none.
+    // What is named as a table is told why it is not one.
     let named_table = args.file.extension().is_some_and(|e| e == "tct");
-    if !named_table && !bytes.starts_with(MAGIC) {
+    if !named_table && !bytes.starts_with(&MAGIC) {
         if args.pictures.is_some() {
             return Err(Usage("--pictures goes with a table, not with a rig".into()).into());
         }

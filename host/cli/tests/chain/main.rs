@@ -297,17 +297,7 @@ fn whole_way(fish: &Fish) {
     let files = ["left", "right"].map(|eye| format!("file = \"{eye}.toml\"\n"));
     fs::write(bench.path("rig.toml"), fish.rig(&files)).expect("a rig");
     overlap_pictures(&bench, fish);
-    let found =
-        bench.json("register rig.toml --left l --right r --target overlap.json -o fish.toml");
-    println!(
-        "registration: {} corners in {} pairs, {} px RMS; turned by {} degrees, standard error {}",
-        found["inliers"],
-        found["pairs"],
-        found["rms_px"],
-        found["registration"]["turn_deg"],
-        found["registration"]["turn_standard_error_deg"],
-    );
-    let registered = Rig::load(&bench.path("fish.toml")).expect("a rig");
+    let registered = registered(&bench, "--left l --right r --target overlap.json");
     let relative = |rig: &Rig| {
         let [left, right] = [&rig.left, &rig.right].map(|eye| eye.as_ref().expect("two eyes").pose);
         (
@@ -337,6 +327,20 @@ fn whole_way(fish: &Fish) {
         bytes
     });
     assert!(bytes.min(fitted) <= 16 * 1024, "{bytes} {fitted}");
+}
+
+/// Registers `rig.toml` to `fish.toml`, prints what was found, and gives the rig.
+fn registered(bench: &Bench, pictures: &str) -> Rig {
+    let found = bench.json(&format!("register rig.toml {pictures} -o fish.toml"));
+    println!(
+        "registration: {} corners in {} pairs, {} px RMS; turned by {} degrees, standard error {}",
+        found["inliers"],
+        found["pairs"],
+        found["rms_px"],
+        found["registration"]["turn_deg"],
+        found["registration"]["turn_standard_error_deg"],
+    );
+    Rig::load(&bench.path("fish.toml")).expect("a rig")
 }
 
 /// Bakes a rig, prints what its table tells beside the rig as built, and gives RMS and worst error,
@@ -381,17 +385,7 @@ fn of_real_pictures() {
     let off = off_mount(&published).to_toml().expect("a rig");
     fs::write(bench.path("rig.toml"), off).expect("a file");
     let [left, right] = ["cam1", "cam3"].map(|eye| folder.join(eye).display().to_string());
-    let found = bench.json(&format!(
-        "register rig.toml --left {left} --right {right} -o fish.toml"
-    ));
-    println!(
-        "registration: {} corners in {} pairs, {} px RMS; turned by {} degrees, standard error {}",
-        found["inliers"],
-        found["pairs"],
-        found["rms_px"],
-        found["registration"]["turn_deg"],
-        found["registration"]["turn_standard_error_deg"],
-    );
+    registered(&bench, &format!("--left {left} --right {right}"));
     // The published poses have errors of their own.
     let ([rms, worst], _) = baked(&bench, "fish.toml", "", &published);
     assert!(rms <= 0.15 && worst <= 0.3, "{rms} {worst}");

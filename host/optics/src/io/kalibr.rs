@@ -134,7 +134,7 @@ fn numbers<const N: usize>(
 ///
 /// # Errors
 /// [`CalibFileError::NoSuchModel`] for a model that Kalibr does not have; the chain's own for a pose that
-/// is none.
+/// is not believed.
 pub fn to_text(chain: &CameraChain) -> Result<String, CalibFileError> {
     let mut text = String::new();
     for (index, camera) in chain.cameras.iter().enumerate() {

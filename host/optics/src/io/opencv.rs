@@ -96,7 +96,7 @@ impl FileStorage {
     /// A matrix by its name.
     ///
     /// # Errors
-    /// [`CalibFileError::Missing`] if there is none.
+    /// [`CalibFileError::Missing`] if the file has no matrix of that name.
     pub fn matrix(&self, name: &str) -> Result<&Matrix, CalibFileError> {
         self.matrices
             .get(name)

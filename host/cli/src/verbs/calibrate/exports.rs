@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use tectum_calibrate::Calibration;
-use tectum_calibrate::solve::{self, Model, Options, Problem};
+use tectum_calibrate::solve::{self, Model, Problem};
 use tectum_calibrate::stereo::{self, StereoCalibration};
 use tectum_optics::CameraModel;
 use tectum_optics::io::opencv::FileStorage;
@@ -13,7 +13,7 @@ use tectum_optics::io::{
 };
 
 use super::Args;
-use super::outputs::{Group, frame_size};
+use super::outputs::{self, Group, frame_size};
 
 /// `file.txt` to `file-left.txt`; a name without an ending gets `ending`.
 pub fn of_eye(file: &Path, side: &str, ending: &str) -> PathBuf {
@@ -113,17 +113,10 @@ fn of_model(
     (eyes, both): (&[Calibration; 2], &StereoCalibration),
     model: Model,
 ) -> anyhow::Result<StereoCalibration> {
-    if eyes
-        .iter()
-        .all(|eye| super::outputs::is_plain(&eye.model, model))
-    {
+    if eyes.iter().all(|eye| outputs::is_plain(&eye.model, model)) {
         return Ok(both.clone());
     }
-    let options = Options {
-        model: Some(model),
-        decentring: false,
-        ..args.options()
-    };
+    let options = outputs::plain_options(args, model);
     let [left, right] = problems
         .each_ref()
         .map(|problem| solve::calibrate(problem, &options));

@@ -162,23 +162,14 @@ fn field_deg(text: &str) -> Result<f64, String> {
 
 /// Calibrates one eye.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
-    if args.square_mm.or(args.board.square_mm).is_none() {
-        let needed = "--square-mm is needed: the side of a square, measured on the print";
-        return Err(Usage(needed.into()).into());
-    }
-    if let (None, Some(square_mm)) = (args.square_mm, args.board.square_mm) {
-        files::note(&format!(
-            "squares of {square_mm} mm, as they were to be printed: printers scale. Measure the print and say \
-             --square-mm"
-        ));
-    }
+    let board = args.board()?;
     if let (Some(left), Some(right)) = (&args.left, &args.right) {
-        return stereo::run(args, [left, right]);
+        return stereo::run(args, board, [left, right]);
     }
     files::check_outputs(args.outputs(), list(&args.pictures)?)?;
-    let shots = shots::take(args, &args.pictures)?;
+    let shots = shots::take(args, board, &args.pictures)?;
     let kept = |error| shots.and_kept(error);
-    let eye = CalibratedShots::new(args, &shots, &args.options()).map_err(kept)?;
+    let eye = CalibratedShots::new(&shots, &args.options()).map_err(kept)?;
     outputs::write(args, &eye).map_err(kept)?;
     summary::report(args, &eye)
 }
@@ -198,12 +189,26 @@ impl Args {
             .map(|path| &**path)
     }
 
-    fn board(&self) -> Board {
-        Board {
+    /// The board in the pictures. A square that nobody has measured is told.
+    fn board(&self) -> Result<Board, Usage> {
+        let square_mm = match (self.square_mm, self.board.square_mm) {
+            (Some(measured_mm), _) => measured_mm,
+            (None, Some(square_mm)) => {
+                files::note(&format!(
+                    "squares of {square_mm} mm, as they were to be printed: printers scale. Measure the \
+                     print and say --square-mm"
+                ));
+                square_mm
+            }
+            (None, None) => {
+                let needed = "--square-mm is needed: the side of a square, measured on the print";
+                return Err(Usage(needed.into()));
+            }
+        };
+        Ok(Board {
             size: self.board.size,
-            // One of both is there: that is looked at first of all.
-            square_mm: self.square_mm.or(self.board.square_mm).unwrap_or(f64::NAN),
-        }
+            square_mm,
+        })
     }
 
     fn options(&self) -> Options {
@@ -228,10 +233,10 @@ struct CalibratedShots<'a> {
 }
 
 impl<'a> CalibratedShots<'a> {
-    fn new(args: &Args, shots: &'a Shots, options: &Options) -> anyhow::Result<Self> {
+    fn new(shots: &'a Shots, options: &Options) -> anyhow::Result<Self> {
         let problem = Problem {
             size_px: shots.size_px,
-            board: args.board(),
+            board: shots.board,
             views: shots.views().map(|(_, _, view)| view.clone()).collect(),
         };
         let calibration = solve::calibrate(&problem, options).map_err(|error| match error {

@@ -91,13 +91,18 @@ fn of_model(args: &Args, eye: &CalibratedShots<'_>, model: Model) -> anyhow::Res
     if is_plain(own, model) {
         return Ok(own.clone());
     }
-    let options = Options {
+    let options = plain_options(args, model);
+    let other = CalibratedShots::new(eye.shots, &options).context("export")?;
+    Ok(other.calibration.model)
+}
+
+/// How a lens is fitted that other programs' files can hold: of their model, not decentred.
+pub fn plain_options(args: &Args, model: Model) -> Options {
+    Options {
         model: Some(model),
         decentring: false,
         ..args.options()
-    };
-    let other = CalibratedShots::new(args, eye.shots, &options).context("export")?;
-    Ok(other.calibration.model)
+    }
 }
 
 /// Whether a lens is one of `model` and not decentred.
@@ -125,8 +130,8 @@ pub fn eye_file<'a>(
         },
         calibration: Some(Provenance {
             made_by: concat!("tectum ", env!("CARGO_PKG_VERSION")).into(),
-            board: args.board().size.to_string(),
-            square_mm: args.board().square_mm,
+            board: shots.board.size.to_string(),
+            square_mm: shots.board.square_mm,
             images: shots.detections.pictures.len(),
             accepted: calibration.views_used(),
             corners: calibration.corners_used(),
@@ -192,7 +197,7 @@ pub fn with_report_input<T>(
     Ok(use_input(&ReportInput {
         eye: name,
         calibration: &eye.calibration,
-        board: args.board(),
+        board: eye.shots.board,
         medium: args.medium.into(),
         half_field_rad: args.field_deg.map(|deg| deg.to_radians() / 2.0),
         views: &views,

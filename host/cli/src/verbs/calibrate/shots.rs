@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use tectum_calibrate::session::{Detected, Detections, check_board, check_sizes, list};
-use tectum_calibrate::{Dictionary, View};
+use tectum_calibrate::{Board, Dictionary, View};
 
 use super::Args;
 use crate::detecting::{self, Targets};
 
 /// Pictures of one eye, all of one size, some of which show the board.
 pub struct Shots {
+    pub board: Board,
     pub detections: Detections,
     pub size_px: [u32; 2],
     /// Pictures with the very bytes of an earlier one: they would count twice.
@@ -21,11 +22,11 @@ pub struct Shots {
 }
 
 /// Detects, and refuses pictures that no calibration can come from.
-pub fn take(args: &Args, given: &[PathBuf]) -> anyhow::Result<Shots> {
+pub fn take(args: &Args, board: Board, given: &[PathBuf]) -> anyhow::Result<Shots> {
     let files = list(given)?;
     check_sizes(&files)?;
     let targets = Targets {
-        board: Some(args.board().size),
+        board: Some(board.size),
         markers: args.markers.clone(),
     };
     let folder = args.session_folder();
@@ -38,6 +39,7 @@ pub fn take(args: &Args, given: &[PathBuf]) -> anyhow::Result<Shots> {
         );
     };
     let shots = Shots {
+        board,
         size_px: first.size_px,
         duplicates: duplicates(&detections),
         folder,
@@ -45,7 +47,7 @@ pub fn take(args: &Args, given: &[PathBuf]) -> anyhow::Result<Shots> {
     };
     let readable = detecting::readable(&shots.detections);
     let readable: Vec<&Detected> = readable.into_iter().map(|(_, detected)| detected).collect();
-    check_board(&readable, args.board().size).map_err(|error| shots.and_kept(error.into()))?;
+    check_board(&readable, board.size).map_err(|error| shots.and_kept(error.into()))?;
     check_mirrored(&shots, args.markers.as_ref()).map_err(|error| shots.and_kept(error))?;
     Ok(shots)
 }

@@ -9,7 +9,7 @@ use tectum_calibrate::report::rig::{self as rig_report, RigReportInput};
 use tectum_calibrate::session::{Pairs, list, pair_by_name};
 use tectum_calibrate::solve::{self, Problem};
 use tectum_calibrate::stereo::{self, StereoCalibration};
-use tectum_calibrate::{Calibration, View, report};
+use tectum_calibrate::{Board, Calibration, View, report};
 use tectum_optics::{CameraModel, RigOfEyeFiles, vector_of_rotation};
 
 use super::shots::{self, Shots};
@@ -24,12 +24,12 @@ type Row = [Option<usize>; 2];
 const NEAR_MM: f64 = 1000.0;
 
 /// Calibrates both eyes and their relative pose.
-pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
+pub fn run(args: &Args, board: Board, folders: [&Path; 2]) -> anyhow::Result<Report> {
     let names = exports::eye_files(&args.output);
     let inputs = list(&folders.map(Path::to_owned))?;
     let others = exports::files(args);
     files::check_outputs(names.iter().chain([&args.output]).chain(&others), inputs)?;
-    let [left, right] = folders.map(|folder| shots::take(args, &[folder.to_owned()]));
+    let [left, right] = folders.map(|folder| shots::take(args, board, &[folder.to_owned()]));
     let shots = [left?, right?];
     let kept = |error| shots[0].and_kept(error);
     exports::check(args, [shots[0].size_px, shots[1].size_px]).map_err(kept)?;
@@ -38,7 +38,7 @@ pub fn run(args: &Args, folders: [&Path; 2]) -> anyhow::Result<Report> {
     let of_pair = |[index, _]: &[usize; 2]| left[*index].display().to_string();
     let pictures: Vec<String> = pairs.pairs.iter().map(of_pair).collect();
     let rows = rows(&shots, &pairs);
-    let problems = problems(args, &shots, &rows);
+    let problems = problems(&shots, &rows);
     let [left, right] = &problems;
     let calibrate = |problem| solve::calibrate(problem, &args.options());
     let eyes = [("left", left), ("right", right)].map(|(side, problem)| {
@@ -83,7 +83,7 @@ fn rows(shots: &[Shots; 2], pairs: &Pairs) -> Vec<Row> {
 }
 
 /// Both eyes' corners, row by row.
-fn problems(args: &Args, shots: &[Shots; 2], rows: &[Row]) -> [Problem; 2] {
+fn problems(shots: &[Shots; 2], rows: &[Row]) -> [Problem; 2] {
     [0, 1].map(|side| {
         let view = |row: &Row| -> View {
             let seen = row[side].and_then(|index| shots[side].view(index));
@@ -91,7 +91,7 @@ fn problems(args: &Args, shots: &[Shots; 2], rows: &[Row]) -> [Problem; 2] {
         };
         Problem {
             size_px: shots[side].size_px,
-            board: args.board(),
+            board: shots[side].board,
             views: rows.iter().map(view).collect(),
         }
     })
@@ -119,7 +119,7 @@ fn page(
         both,
         eyes: [&eyes[0], &eyes[1]],
         pairs: pictures,
-        board: args.board(),
+        board: shots[0].board,
         medium: args.medium.into(),
         trust: [left_trust, right_trust],
         sections: [&left, &right],
