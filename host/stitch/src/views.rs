@@ -32,9 +32,19 @@ impl Views {
     /// warp, sampled bilinearly as the core does but without rounding. An eye that the rig does not
     /// have sees nothing.
     pub fn render(rig: &Rig, pictures: Eyes<&RgbImage>, map: &OutputMap) -> Self {
+        Self::render_where(rig, pictures, map, |_| true)
+    }
+
+    /// The same of those pixels alone whose index `wanted` holds; the others count as not seen.
+    pub(crate) fn render_where(
+        rig: &Rig,
+        pictures: Eyes<&RgbImage>,
+        map: &OutputMap,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) -> Self {
         Self {
             map: *map,
-            eyes: [0, 1].map(|eye| View::render(rig, eye, pictures[eye], map)),
+            eyes: [0, 1].map(|eye| View::render(rig, eye, pictures[eye], map, &wanted)),
         }
     }
 
@@ -64,7 +74,13 @@ impl Views {
 }
 
 impl View {
-    fn render(rig: &Rig, eye: usize, picture: &RgbImage, map: &OutputMap) -> Self {
+    fn render(
+        rig: &Rig,
+        eye: usize,
+        picture: &RgbImage,
+        map: &OutputMap,
+        wanted: &(impl Fn(usize) -> bool + Sync),
+    ) -> Self {
         let [width, height] = map.size_px.map(usize::from);
         let colour = |x: usize, y: usize| {
             let camera = [&rig.left, &rig.right][eye].as_ref()?;
@@ -73,7 +89,7 @@ impl View {
         };
         let sampled: Vec<Option<[f32; 3]>> = (0..width * height)
             .into_par_iter()
-            .map(|i| colour(i % width, i / width))
+            .map(|i| wanted(i).then(|| colour(i % width, i / width))?)
             .collect();
         Self {
             seen: sampled.iter().map(Option::is_some).collect(),

@@ -13,7 +13,7 @@ use super::lattice::Lattice;
 use super::matching::{Match, Pyramids, matches};
 use super::parallax::Parallax;
 use super::pieces::{Piece, pieces};
-use super::score::{edge_excess, mean, seam_pixels, similarities};
+use super::score::{edge_excess, looked_at, mean, seam_pixels, similarities};
 use super::taper::{fade, reach_px};
 use super::{AlignOptions, Warp};
 use crate::seam::{Overlap, Seam, band};
@@ -149,7 +149,8 @@ pub fn align(
         }
     };
     let along = grid.along(&pixels, &similar);
-    if let Some((warp, views)) = bent {
+    if let Some(warp) = bent {
+        let views = stage.views(Some(&warp));
         let again = stage.seam(&views)?;
         let pixels = seam_pixels(grid, &views, &again.cut.left);
         let similar = similarities(grid, &views, &pixels);
@@ -249,11 +250,20 @@ impl<'a> Stage<'a> {
 
     /// What the eyes show, bent.
     fn views(&self, warp: Option<&Warp>) -> Vec<Views> {
+        self.views_where(warp, |_| true)
+    }
+
+    /// The same of some pixels alone.
+    fn views_where(
+        &self,
+        warp: Option<&Warp>,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) -> Vec<Views> {
         let mut rig = self.rig.clone();
         let stitching = rig.stitching.get_or_insert_default();
         stitching.warp = warp.and_then(|warp| warp.map().ok());
         let shot = |pictures: &Eyes<&RgbImage>| {
-            let views = Views::render(&rig, *pictures, &self.grid.map);
+            let views = Views::render_where(&rig, *pictures, &self.grid.map, &wanted);
             match self.tone {
                 Some(tone) => views.toned(tone),
                 None => views,
@@ -335,14 +345,14 @@ impl Work<'_> {
         (found, seen)
     }
 
-    /// The bend of all pieces that it makes better, as stiff as the meshes need it, and the pictures
-    /// bent by it.
+    /// The bend of all pieces that it makes better, as stiff as the meshes need it.
     fn bend(
         &self,
         carrier: &Carrier,
         matches: &[Vec<Match>],
         summary: &mut AlignSummary,
-    ) -> Option<(Warp, Vec<Views>)> {
+    ) -> Option<Warp> {
+        let looked_at = looked_at(&self.stage.grid, self.pixels);
         let mut knots_rad = self.stage.options.knots_rad;
         while knots_rad <= MAX_KNOTS_RAD {
             let mut kept: Vec<usize> = (0..self.pieces.len())
@@ -354,7 +364,7 @@ impl Work<'_> {
                 if !carrier.carries(&warp) {
                     break;
                 }
-                let views = self.stage.views(Some(&warp));
+                let views = self.stage.views_where(Some(&warp), |i| looked_at[i]);
                 let after = similarities(&self.stage.grid, &views, self.pixels);
                 let all = kept.len();
                 kept.retain(|k| {
@@ -365,7 +375,7 @@ impl Work<'_> {
                 });
                 if kept.len() == all {
                     summary.knots_deg = Some(knots_rad.to_degrees());
-                    return Some((warp, views));
+                    return Some(warp);
                 }
             }
             if kept.is_empty() {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::grid::Grid;
 use crate::Views;
-use crate::seam::{Gray, Quality, Seam, ssim_map};
+use crate::seam::{Gray, Quality, SSIM_RADIUS_PX, Seam, ssim_map};
 
 /// Radius of the patches that similarity is averaged over, px: 21x21 as in Liao et al. 2023.
 pub(super) const PATCH_RADIUS_PX: i64 = 10;
@@ -20,6 +20,22 @@ pub(super) fn seam_pixels(grid: &Grid, shots: &[Views], left_owns: &[bool]) -> V
     (0..left_owns.len())
         .filter(|i| shared(*i) && parted(*i))
         .collect()
+}
+
+/// Pixels that [`similarities`] at `pixels` depends on.
+pub(super) fn looked_at(grid: &Grid, pixels: &[usize]) -> Vec<bool> {
+    let reach_px = PATCH_RADIUS_PX + SSIM_RADIUS_PX as i64;
+    let mut looked_at = vec![false; grid.size_px[0] * grid.size_px[1]];
+    for pixel in pixels {
+        for dy in -reach_px..=reach_px {
+            for dx in -reach_px..=reach_px {
+                if let Some(other) = grid.neighbour(*pixel, [dx, dy]) {
+                    looked_at[other] = true;
+                }
+            }
+        }
+    }
+    looked_at
 }
 
 /// Mean structural similarity (Wang et al. 2004, on luma) in the patch about each of the pixels,

@@ -35,6 +35,7 @@ pub use overlap::Overlap;
 pub use quality::{Quality, ghosts};
 pub use shares::Shares;
 pub(crate) use shares::shares_png;
+pub(crate) use ssim::SSIM_RADIUS_PX;
 pub use ssim::{mean_ssim, ssim_map};
 
 use crate::Views;

@@ -4,7 +4,7 @@ use super::gray::{Gray, Window};
 
 /// Standard deviation and radius of the window: 11x11 px (Wang et al. 2004, section III-B).
 const SIGMA_PX: f64 = 1.5;
-const RADIUS_PX: usize = 5;
+pub(crate) const SSIM_RADIUS_PX: usize = 5;
 /// (K1 L)^2 and (K2 L)^2 with K1 = 0.01, K2 = 0.03, L = 255 (same, Eq. 7 and 9).
 const C1: f32 = 6.5025;
 const C2: f32 = 58.5225;
@@ -18,7 +18,7 @@ const C2: f32 = 58.5225;
 pub fn ssim_map(a: &Gray, b: &Gray, seen: &[bool]) -> Vec<f32> {
     assert_eq!(a.size_px, b.size_px, "pictures of one size");
     assert_eq!(a.values.len(), seen.len(), "a mask of that size");
-    let window = Window::gaussian(SIGMA_PX, RADIUS_PX);
+    let window = Window::gaussian(SIGMA_PX, SSIM_RADIUS_PX);
     // About the middle grey, so that squares lose no digits to a large mean.
     let masked = |f: &dyn Fn(f32, f32) -> f32| {
         let values: Vec<f32> = (a.values.iter().zip(&b.values).zip(seen))
