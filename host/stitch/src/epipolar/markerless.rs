@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use tectum_optics::{Rig, RigEye};
 
 use super::pose::rotation_between;
-use super::regions::scatter;
 use super::selection::rotation_suffices;
 use super::{
     EpipolarError, Model, RansacOptions, RansacResult, RayCheck, RayPair, Refined, RelativePose,
@@ -47,9 +46,8 @@ impl Default for MarkerlessOptions {
 pub struct Markerless {
     /// The pose.
     pub pose: RelativePose,
-    /// Standard errors of a further rotation about the left camera's x, y, z, rad: how the pose
-    /// scatters as one region of the picture after another is left out, so that what the lenses'
-    /// calibration misses counts; by the scatter of the matches alone where they lie in one region.
+    /// Standard errors of a further rotation about the left camera's x, y, z, rad. They hold the scatter
+    /// of the matches and what the lenses' calibration misses, which moves neighbouring matches alike.
     pub rotation_standard_error_rad: Vector3<f64>,
     /// The same about the axis that is known worst, rad.
     pub worst_rotation_error_rad: f64,
@@ -207,8 +205,7 @@ fn first_pose(
     };
     let rotation = search(Model::RotationOnly).ok_or(too_few(0))?;
     let epipolar = search(Model::Epipolar).ok_or(too_few(0))?;
-    // A threshold is two standard deviations of what passes it.
-    let sigma_rad = options.threshold_rad / 2.0;
+    let sigma_rad = noise_rad(&pairs, &epipolar).min(options.threshold_rad / 2.0);
     let best: RansacResult = if rotation_suffices(&pairs, &rotation, &epipolar, sigma_rad) {
         rotation
     } else {
@@ -225,6 +222,22 @@ fn first_pose(
         });
     }
     Ok(best.pose)
+}
+
+/// Standard deviation of what agrees with a pose, from its median: a threshold lets through whatever
+/// noise there is, and with too much of it near things' parallax passes for noise.
+fn noise_rad(pairs: &[RayPair], found: &RansacResult) -> f64 {
+    const SIGMAS_PER_MEDIAN: f64 = 1.4826;
+    let agreeing = pairs
+        .iter()
+        .zip(&found.inliers)
+        .filter(|(_, agrees)| **agrees);
+    let mut misses: Vec<f64> = agreeing
+        .map(|(pair, _)| found.pose.miss_rad(pair))
+        .collect();
+    misses.sort_by(f64::total_cmp);
+    let median = misses.get(misses.len() / 2);
+    median.map_or(f64::INFINITY, |median| SIGMAS_PER_MEDIAN * median)
 }
 
 fn refined(
@@ -245,6 +258,9 @@ fn finish(
     options: &MarkerlessOptions,
 ) -> Result<Markerless, EpipolarError> {
     let fine = refined(eyes, &matches, pose, options)?;
+    let fine = fine
+        .with_lens_faults(&pairs(eyes, &matches), options.cut_rad())
+        .ok_or(options.uncertain(f64::INFINITY))?;
     let turned_rad = check_turn(eyes, &fine.pose, options)?;
     let all = matches.len();
     let (inliers, squares): (Vec<Correspondence>, Vec<f64>) = matches
@@ -261,7 +277,7 @@ fn finish(
             needed: options.least_inliers,
         });
     }
-    let mut found = Markerless {
+    let found = Markerless {
         pose: fine.pose,
         rotation_standard_error_rad: fine.rotation_standard_error_rad,
         worst_rotation_error_rad: fine.worst_rotation_error_rad,
@@ -271,13 +287,6 @@ fn finish(
         turned_rad,
         inliers,
     };
-    if let Some(scatter) = scatter(&pairs(eyes, &found.inliers), &fine.pose, options.cut_rad()) {
-        let covariance = scatter.rotation;
-        found.rotation_standard_error_rad = covariance.diagonal().map(libm::sqrt);
-        found.worst_rotation_error_rad =
-            libm::sqrt(covariance.symmetric_eigenvalues().max().max(0.0));
-        found.baseline_standard_error_rad = scatter.baseline_rad;
-    }
     let error_rad = found.worst_rotation_error_rad;
     if error_rad.is_nan() || error_rad > options.most_error_rad {
         return Err(options.uncertain(error_rad));

@@ -9,9 +9,12 @@
 //! unit vector from the left eye's centre to the right's, in the left camera's frame.
 
 mod check;
+#[cfg(test)]
+mod coverage_tests;
 mod error;
 mod five_point;
 mod guided;
+mod lens_fault;
 mod markerless;
 #[cfg(test)]
 mod markerless_tests;
@@ -19,7 +22,6 @@ mod pose;
 mod ransac;
 mod rays;
 mod refine;
-mod regions;
 mod rotation_only;
 mod selection;
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, Matrix5, Rotation3, SMatrix, Vector2, Vector3, Vector5};
 use tectum_optics::rotation_vector;
 
+use super::lens_fault::{self, Row};
 use super::{Baseline, RayPair, RelativePose, rotation_only};
 
 /// A refined pose.
@@ -18,13 +19,46 @@ pub struct Refined {
     pub baseline_standard_error_rad: f64,
 }
 
+impl Refined {
+    /// From the covariance of a further rotation about x, y, z and of the baseline along two directions.
+    fn new(pose: RelativePose, covariance: &Matrix5<f64>) -> Self {
+        let rotation = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+        let baseline = covariance.fixed_view::<2, 2>(3, 3).into_owned();
+        let root = |square: f64| libm::sqrt(square.max(0.0));
+        Self {
+            pose,
+            rotation_standard_error_rad: rotation.diagonal().map(root),
+            worst_rotation_error_rad: root(rotation.symmetric_eigenvalues().max()),
+            baseline_standard_error_rad: root(baseline.symmetric_eigenvalues().max()),
+        }
+    }
+
+    /// The same pose with standard errors that also hold what the lenses' calibration misses, which
+    /// moves neighbouring matches alike (`lens_fault.rs`). `pairs` and `cut_rad` as they were given
+    /// to [`refine`]. `None` if the matches do not fix the pose.
+    pub(super) fn with_lens_faults(self, pairs: &[RayPair], cut_rad: f64) -> Option<Self> {
+        let pose = self.pose;
+        let covariance = match pose.baseline {
+            Baseline::Towards(b) => {
+                let faults = lens_fault::covariance(&epipolar_rows(pairs, &pose, &b, cut_rad))?;
+                epipolar_noise(pairs, &pose, cut_rad)? + faults
+            }
+            Baseline::Negligible => {
+                let faults = lens_fault::covariance(&rotation_rows(pairs, &pose, cut_rad))?;
+                rotation_noise(pairs, &pose, cut_rad)? + faults.fixed_resize::<5, 5>(0.0)
+            }
+        };
+        Some(Self::new(pose, &covariance))
+    }
+}
+
 const MOST_STEPS: usize = 50;
 
 /// The pose near `start` with the least sum of Tukey's biweight function of the residuals, which
 /// forgets those beyond `cut_rad`. `None` if the correspondences do not fix it.
 ///
 /// Standard errors are those of an M-estimator, `H^-1 (sum w^2 r^2 J J') H^-1` (Huber 1981, Sec.
-/// 6.3), so they hold for whatever scatter the residuals have.
+/// 6.3), so they hold for whatever scatter the residuals have, as long as each match errs on its own.
 pub fn refine(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Option<Refined> {
     match start.baseline {
         Baseline::Towards(_) => refine_epipolar(pairs, start, cut_rad),
@@ -73,17 +107,38 @@ fn refine_epipolar(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Opt
             }
         }
     }
-    let Normal { h, scatter, .. } = Normal::new(pairs, &pose, cut_rad)?;
+    Some(Refined::new(pose, &epipolar_noise(pairs, &pose, cut_rad)?))
+}
+
+/// Covariance of rotation and baseline that the scatter of single matches leaves.
+fn epipolar_noise(pairs: &[RayPair], pose: &RelativePose, cut_rad: f64) -> Option<Matrix5<f64>> {
+    let Normal { h, scatter, .. } = Normal::new(pairs, pose, cut_rad)?;
     let inverse = inverse(&h)?;
-    let covariance = inverse * scatter * inverse;
-    let rotation = covariance.fixed_view::<3, 3>(0, 0).into_owned();
-    let baseline = covariance.fixed_view::<2, 2>(3, 3).into_owned();
-    Some(Refined {
-        pose,
-        rotation_standard_error_rad: rotation.diagonal().map(|v| libm::sqrt(v.max(0.0))),
-        worst_rotation_error_rad: libm::sqrt(rotation.symmetric_eigenvalues().max().max(0.0)),
-        baseline_standard_error_rad: libm::sqrt(baseline.symmetric_eigenvalues().max().max(0.0)),
-    })
+    Some(inverse * scatter * inverse)
+}
+
+/// The residuals inside the cut.
+fn epipolar_rows(
+    pairs: &[RayPair],
+    pose: &RelativePose,
+    b: &Vector3<f64>,
+    cut_rad: f64,
+) -> Vec<Row<5>> {
+    let basis = tangents(b);
+    let near = pairs.iter().filter(|pair| pose.miss_rad(pair) < cut_rad);
+    let row = |pair: &RayPair| {
+        let right = pose.rotation * pair.right;
+        let (residual_rad, slope) = derivative(b, &basis, &pair.left, &right);
+        Row {
+            ray: pair.left,
+            // At right angles to the plane of the ray and the baseline.
+            normal: b.cross(&pair.left).try_normalize(1e-9).unwrap_or_default(),
+            weight: weight(residual_rad, cut_rad),
+            residual_rad,
+            slope,
+        }
+    };
+    near.map(row).collect()
 }
 
 /// Gauss-Newton's normal equations and the scatter of the gradient.
@@ -194,6 +249,11 @@ fn refine_rotation(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Opt
         }
         (pose, best) = (next, now);
     }
+    Some(Refined::new(pose, &rotation_noise(pairs, &pose, cut_rad)?))
+}
+
+/// Covariance of the rotation that the scatter of single matches leaves; the baseline's is 0.
+fn rotation_noise(pairs: &[RayPair], pose: &RelativePose, cut_rad: f64) -> Option<Matrix5<f64>> {
     let (mut h, mut scatter) = (nalgebra::Matrix3::zeros(), nalgebra::Matrix3::zeros());
     for pair in pairs {
         let right = pose.rotation * pair.right;
@@ -204,11 +264,24 @@ fn refine_rotation(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Opt
         scatter += gradient * gradient.transpose();
     }
     let inverse = inverse(&h)?;
-    let covariance = inverse * scatter * inverse;
-    Some(Refined {
-        pose,
-        rotation_standard_error_rad: covariance.diagonal().map(|v| libm::sqrt(v.max(0.0))),
-        worst_rotation_error_rad: libm::sqrt(covariance.symmetric_eigenvalues().max().max(0.0)),
-        baseline_standard_error_rad: 0.0,
-    })
+    Some((inverse * scatter * inverse).fixed_resize(0.0))
+}
+
+/// The residuals inside the cut, along two directions each.
+fn rotation_rows(pairs: &[RayPair], pose: &RelativePose, cut_rad: f64) -> Vec<Row<3>> {
+    let rows = |pair: &RayPair| {
+        let right = pose.rotation * pair.right;
+        let weight = weight(pose.residual_rad(pair), cut_rad);
+        let apart = right - pair.left;
+        tangents(&pair.left).map(|normal| Row {
+            ray: pair.left,
+            normal,
+            weight,
+            residual_rad: apart.dot(&normal),
+            // A rotation v moves the ray by v x r.
+            slope: right.cross(&normal),
+        })
+    };
+    let near = pairs.iter().filter(|pair| pose.miss_rad(pair) < cut_rad);
+    near.flat_map(rows).collect()
 }

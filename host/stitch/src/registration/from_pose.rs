@@ -43,7 +43,7 @@ pub fn register_pose(
         rms_px: 0.0,
         rms_deg: 0.0,
         turn_deg: turn.norm().to_degrees(),
-        turn_standard_error_deg: found.worst_rotation_error_rad.to_degrees(),
+        turn_standard_error_deg: found.rotation_standard_error_rad.norm().to_degrees(),
         lens_scales: [1.0; 2],
         baseline_m,
         moved: None,

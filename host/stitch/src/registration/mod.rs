@@ -117,7 +117,7 @@ pub struct Registration {
     pub rms_deg: f64,
     /// Angle by which the eyes turned against each other, degrees.
     pub turn_deg: f64,
-    /// Standard error of it about its least sure axis, degrees.
+    /// Standard error of the turn, degrees: root of the sum of its squares about three axes.
     pub turn_standard_error_deg: f64,
     /// Factors of the lenses' scales.
     pub lens_scales: Eyes<f64>,

@@ -137,8 +137,8 @@ impl Problem<'_> {
         high
     }
 
-    /// Standard error of the turn of the eyes against each other about its least sure axis, rad, by
-    /// the ties' own scatter.
+    /// Standard error of the turn of the eyes against each other, all axes together, rad, by the ties'
+    /// own scatter.
     pub fn turn_sigma_rad(&self, x: &Unknowns) -> Option<f64> {
         let look = look(&self.rig, x);
         let turns = [Matrix3::identity(); 2];
@@ -169,7 +169,7 @@ impl Problem<'_> {
             against[(k, k + 3)] = 1.0;
         }
         let of_turn = against * covariance * against.transpose();
-        Some(of_turn.symmetric_eigenvalues().max().max(0.0).sqrt())
+        Some(libm::sqrt(of_turn.trace().max(0.0)))
     }
 }
 
