@@ -147,7 +147,7 @@ fn registered(folder: &Path, cameras: [usize; 2]) -> [f64; 2] {
         found.matches,
         found.rms_rad.to_degrees(),
         off[0],
-        found.worst_rotation_error_rad.to_degrees(),
+        found.rotation_standard_error_rad.norm().to_degrees(),
         off[1],
         found.baseline_standard_error_rad.to_degrees()
     );

@@ -49,6 +49,8 @@ pub struct ColourSummary {
     pub before: Difference,
     /// After them.
     pub after: Difference,
+    /// Whether the colours stay as they are, since no curves bring the eyes closer.
+    pub is_kept: bool,
     /// What no curve takes out: change of an eye's brightness by its lens, relative, from the
     /// overlap's middle to 10 degrees farther off its axis. Negative: darker.
     pub falloff: [f64; 3],
@@ -131,6 +133,7 @@ pub fn match_eyes(rig: &Rig, shots: &[Views]) -> Result<ColourMatch, ColourError
         left_share,
         before,
         after,
+        is_kept: !better,
         falloff: [0, 1, 2].map(|channel: usize| reported(ratios[channel].falloff)),
     };
     Ok(ColourMatch { curves, summary })

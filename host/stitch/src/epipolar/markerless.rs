@@ -4,11 +4,12 @@ use image::GrayImage;
 use nalgebra::Vector3;
 use tectum_optics::{Rig, RigEye};
 
+use super::held_out::parts;
 use super::pose::rotation_between;
 use super::selection::rotation_suffices;
 use super::{
-    EpipolarError, Model, RansacOptions, RansacResult, RayCheck, RayPair, Refined, RelativePose,
-    guided, ransac, refine,
+    EpipolarError, HeldOut, Model, RansacOptions, RansacResult, RayCheck, RayPair, Refined,
+    RelativePose, guided, ransac, refine,
 };
 use crate::features::{Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features};
 use crate::{Correspondence, Eyes};
@@ -47,7 +48,8 @@ pub struct Markerless {
     /// The pose.
     pub pose: RelativePose,
     /// Standard errors of a further rotation about the left camera's x, y, z, rad. They hold the scatter
-    /// of the matches and what the lenses' calibration misses, which moves neighbouring matches alike.
+    /// of the matches and what the lenses' calibration misses, which moves neighbouring matches alike,
+    /// or the scatter of the poses without one shot each, if that is more.
     pub rotation_standard_error_rad: Vector3<f64>,
     /// The same about the axis that is known worst, rad.
     pub worst_rotation_error_rad: f64,
@@ -61,6 +63,9 @@ pub struct Markerless {
     pub rms_rad: f64,
     /// How far the rotation is from the rig's, rad.
     pub turned_rad: f64,
+    /// How well the pose predicts matches that took no part in it, beside the rig's own; `None` where
+    /// there are too few matches to leave some out.
+    pub held_out: Option<HeldOut>,
 }
 
 /// A second-best pose must score less than this share of the best.
@@ -258,8 +263,18 @@ fn finish(
     options: &MarkerlessOptions,
 ) -> Result<Markerless, EpipolarError> {
     let fine = refined(eyes, &matches, pose, options)?;
+    let with_rays = matches
+        .iter()
+        .filter_map(|c| Some((*c, RayPair::new(eyes, c)?)));
+    let with_rays: Vec<(Correspondence, RayPair)> = with_rays.collect();
+    let rig_pose = RelativePose::of(eyes);
+    let parts = parts(&with_rays, &fine.pose, &rig_pose, options.cut_rad());
     let fine = fine
-        .with_lens_faults(&pairs(eyes, &matches), options.cut_rad())
+        .believed(
+            &pairs(eyes, &matches),
+            options.cut_rad(),
+            &parts.between_shots,
+        )
         .ok_or(options.uncertain(f64::INFINITY))?;
     let turned_rad = check_turn(eyes, &fine.pose, options)?;
     let all = matches.len();
@@ -285,6 +300,7 @@ fn finish(
         rms_rad: libm::sqrt(squares.iter().sum::<f64>() / squares.len() as f64),
         matches: all,
         turned_rad,
+        held_out: parts.held_out,
         inliers,
     };
     let error_rad = found.worst_rotation_error_rad;

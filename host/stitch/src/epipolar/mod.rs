@@ -14,6 +14,7 @@ mod coverage_tests;
 mod error;
 mod five_point;
 mod guided;
+mod held_out;
 mod lens_fault;
 mod markerless;
 #[cfg(test)]
@@ -29,6 +30,7 @@ mod tests;
 
 pub use check::{Consistency, RayCheck};
 pub use error::EpipolarError;
+pub use held_out::HeldOut;
 pub use markerless::{
     MARKERLESS_PASSES, Markerless, MarkerlessOptions, markerless, pose_of_matches,
 };

@@ -1,6 +1,6 @@
 //! A relative pose refined over all correspondences, robustly, with standard errors.
 
-use nalgebra::{DMatrix, Matrix5, Rotation3, SMatrix, Vector2, Vector3, Vector5};
+use nalgebra::{DMatrix, Matrix3, Matrix5, Rotation3, SMatrix, Vector2, Vector3, Vector5};
 use tectum_optics::rotation_vector;
 
 use super::lens_fault::{self, Row};
@@ -34,11 +34,17 @@ impl Refined {
     }
 
     /// The same pose with standard errors that also hold what the lenses' calibration misses, which
-    /// moves neighbouring matches alike (`lens_fault.rs`). `pairs` and `cut_rad` as they were given
-    /// to [`refine`]. `None` if the matches do not fix the pose.
-    pub(super) fn with_lens_faults(self, pairs: &[RayPair], cut_rad: f64) -> Option<Self> {
+    /// moves neighbouring matches alike (`lens_fault.rs`), and that are no smaller than
+    /// `between_shots`, a covariance of the rotation by the scatter between shots. `pairs` and
+    /// `cut_rad` as they were given to [`refine`]. `None` if the matches do not fix the pose.
+    pub(super) fn believed(
+        self,
+        pairs: &[RayPair],
+        cut_rad: f64,
+        between_shots: &Matrix3<f64>,
+    ) -> Option<Self> {
         let pose = self.pose;
-        let covariance = match pose.baseline {
+        let mut covariance = match pose.baseline {
             Baseline::Towards(b) => {
                 let faults = lens_fault::covariance(&epipolar_rows(pairs, &pose, &b, cut_rad))?;
                 epipolar_noise(pairs, &pose, cut_rad)? + faults
@@ -48,6 +54,9 @@ impl Refined {
                 rotation_noise(pairs, &pose, cut_rad)? + faults.fixed_resize::<5, 5>(0.0)
             }
         };
+        let rotation = covariance.fixed_view::<3, 3>(0, 0).trace();
+        let factor = (between_shots.trace() / rotation).max(1.0);
+        covariance *= factor;
         Some(Self::new(pose, &covariance))
     }
 }
@@ -223,7 +232,7 @@ fn orthonormal(rotation: &Rotation3<f64>) -> Rotation3<f64> {
     let m = rotation.matrix();
     let x = m.column(0).normalize();
     let y = (m.column(1) - x * x.dot(&m.column(1))).normalize();
-    Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&[x, y, x.cross(&y)]))
+    Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, y, x.cross(&y)]))
 }
 
 /// Inverse of normal equations; `None` if a direction shows in the rays hardly more than rounding.
@@ -254,13 +263,13 @@ fn refine_rotation(pairs: &[RayPair], start: &RelativePose, cut_rad: f64) -> Opt
 
 /// Covariance of the rotation that the scatter of single matches leaves; the baseline's is 0.
 fn rotation_noise(pairs: &[RayPair], pose: &RelativePose, cut_rad: f64) -> Option<Matrix5<f64>> {
-    let (mut h, mut scatter) = (nalgebra::Matrix3::zeros(), nalgebra::Matrix3::zeros());
+    let (mut h, mut scatter) = (Matrix3::zeros(), Matrix3::zeros());
     for pair in pairs {
         let right = pose.rotation * pair.right;
         let w = weight(pose.residual_rad(pair), cut_rad);
         // The rays differ by l x r; a rotation v moves r by v x r.
         let gradient = pair.left.cross(&right) * w;
-        h += (nalgebra::Matrix3::identity() - right * right.transpose()) * w;
+        h += (Matrix3::identity() - right * right.transpose()) * w;
         scatter += gradient * gradient.transpose();
     }
     let inverse = inverse(&h)?;

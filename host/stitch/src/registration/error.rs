@@ -69,6 +69,21 @@ pub enum RegistrationError {
         /// Largest correction, degrees.
         allowed_deg: f64,
     },
+    /// Natural features fit a pose, but not the rig's baseline.
+    #[error(
+        "the matches fit a pose to {found_deg:.2} degrees, but with the rig's baseline of \
+         {baseline_mm:.1} mm they miss by {rms_deg:.2} degrees RMS: the eyes are not where the rig has \
+         them; measure how far apart the lenses are, and which way (mount.lateral_mm, or each pose's \
+         position_mm)"
+    )]
+    Baseline {
+        /// Residual with the rig's baseline, degrees RMS.
+        rms_deg: f64,
+        /// Residual of the pose found, degrees RMS.
+        found_deg: f64,
+        /// The rig's baseline, mm.
+        baseline_mm: f64,
+    },
     /// The corrected rig is none.
     #[error("the corrected rig is refused: {0}")]
     Rig(String),

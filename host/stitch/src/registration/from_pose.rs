@@ -9,26 +9,38 @@ use super::{Options, Registration, RegistrationError, rotations};
 use crate::Eyes;
 use crate::epipolar::{Baseline, Markerless};
 
+/// Residual up to which a rig explains its matches, degrees RMS: twice what a match may miss its
+/// epipolar plane by.
+const MOST_RESIDUAL_DEG: f64 = 0.8;
+
 /// The rig with its eyes turned, half each, until they stand to one another as `found` says. The
 /// baseline keeps its length, which no picture tells, and its middle; it takes the direction found
 /// where that is surer than the rig's own ([`Options::common_sigma_rad`]). Lenses stay as they are:
-/// features that may be anywhere along their rays cannot tell a scale from a turn.
+/// features that may be anywhere along their rays cannot tell a scale from a turn. Eyes whose own pose
+/// predicts matches that took no part at least as well ([`HeldOut`](crate::epipolar::HeldOut)) stay as
+/// they are.
 ///
 /// # Errors
-/// [`RegistrationError`]: the rig lacks an eye, or the corrected one is refused.
+/// [`RegistrationError`]: the rig lacks an eye, the corrected one is refused, or its baseline cannot
+/// explain the parallax.
 pub fn register_pose(
     rig: &Rig,
     found: &Markerless,
     options: &Options,
 ) -> Result<Registration, RegistrationError> {
     let eyes = both(rig)?;
-    let (poses, turn) = halves(eyes, found, options);
-    let corrected = rig
-        .with_poses(poses)
-        .map_err(|error| RegistrationError::Rig(error.to_string()))?;
+    let is_better = found.held_out.is_none_or(|held_out| held_out.improves());
+    let (corrected, turn) = if is_better {
+        let (poses, turn) = halves(eyes, found, options);
+        let turned = rig.with_poses(poses);
+        let turned = turned.map_err(|error| RegistrationError::Rig(error.to_string()))?;
+        (turned, turn)
+    } else {
+        (rig.clone(), Vector3::zeros())
+    };
     let mount = Mount::new(both(&corrected)?, options.nearest_m);
     let look = Look {
-        rotations: poses.map(|pose| pose.rotation),
+        rotations: both(&corrected)?.map(|eye| eye.pose.rotation),
         log_scales: [0.0; 2],
     };
     let ties: Vec<Tie> = found.inliers.iter().copied().map(Tie::from).collect();
@@ -47,9 +59,17 @@ pub fn register_pose(
         lens_scales: [1.0; 2],
         baseline_m,
         moved: None,
+        held_out: found.held_out,
         rig: corrected.clone(),
     };
     registration.measure(&mount, &ties, &look);
+    if registration.rms_deg > MOST_RESIDUAL_DEG {
+        return Err(RegistrationError::Baseline {
+            rms_deg: registration.rms_deg,
+            found_deg: found.rms_rad.to_degrees(),
+            baseline_mm: baseline_m * 1e3,
+        });
+    }
     Ok(registration)
 }
 

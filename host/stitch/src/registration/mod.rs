@@ -39,6 +39,7 @@ use tectum_optics::convention::angle_between;
 use tectum_optics::{Pose, Rig, RigEye};
 
 use crate::Eyes;
+use crate::epipolar::HeldOut;
 use crate::matching::Slack;
 use consensus::{Consensus, Sample};
 pub use error::RegistrationError;
@@ -125,6 +126,9 @@ pub struct Registration {
     pub baseline_m: f64,
     /// How boards moved the eyes; `None` where the rig's positions hold.
     pub moved: Option<EyesMoved>,
+    /// How well natural features that took no part are predicted; `None` with boards, and where there
+    /// are too few. Where the rig's own pose predicts them better the eyes stay as they are.
+    pub held_out: Option<HeldOut>,
 }
 
 /// Eyes that boards put elsewhere than the rig had them.
@@ -246,6 +250,7 @@ pub fn register(
             shift_mm: moved.shift_mm,
             standard_error_mm: moved.shift_standard_error_mm,
         }),
+        held_out: None,
     };
     registration.measure(&mount, &ranged, &look);
     Ok(registration)

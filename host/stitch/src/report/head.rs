@@ -21,10 +21,13 @@ pub fn html(input: &ReportInput) -> String {
         .map(|warning| format!("<li>{}</li>", escape(warning)))
         .collect();
     let (class, verdict) = match input.warnings.is_empty() {
-        true => ("good", "The eyes are registered.".to_owned()),
+        true => ("good", escape(input.verdict)),
         false => (
             "care",
-            format!("The eyes are registered, with care:</p><ul>{warnings}</ul><p>"),
+            format!(
+                "{} Look at this first:</p><ul>{warnings}</ul><p>",
+                escape(input.verdict)
+            ),
         ),
     };
     let stitched = input.stitched.and_then(|picture| jpeg_uri(picture, 1200));

@@ -22,6 +22,8 @@ pub struct ReportInput<'a> {
     pub matcher: &'a str,
     /// What was measured, in the order to show it.
     pub figures: &'a [Figure],
+    /// What came of it, a sentence with its figure.
+    pub verdict: &'a str,
     /// What is not as it should be, a sentence each.
     pub warnings: &'a [String],
     /// Matched pictures.

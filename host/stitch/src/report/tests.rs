@@ -23,6 +23,7 @@ fn a_page_shows_what_was_done_and_no_more() {
         rig: "fish & co",
         matcher: "boards",
         figures: &figures,
+        verdict: "Turned by 1 degree.",
         warnings: &[],
         shots: &[],
         parallax: &[],
@@ -54,6 +55,7 @@ fn a_page_shows_what_was_done_and_no_more() {
         "&lt;shot&gt;",
         "1 of 2 matches used",
         "The board was far.",
+        "Turned by 1 degree.",
         "<td>infinity</td>",
     ] {
         assert!(page.contains(part), "{part}");

@@ -17,8 +17,9 @@ use tectum_stitch::features::{
 use tectum_stitch::registration::Tie;
 
 use crate::boards::{self, TargetArgs};
+use crate::paired::PairArgs;
 use crate::progress::Progress;
-use crate::report::{Report, Usage, path_json};
+use crate::report::{Report, path_json, paths_json};
 use crate::{files, pictures};
 use row::Row;
 
@@ -26,7 +27,8 @@ use row::Row;
 #[derive(clap::Args)]
 #[command(after_help = "EXAMPLES:\n  \
     tectum match rig.toml --left l.png --right r.png -o matches.png\n  \
-    tectum match rig.toml --left l/*.png --right r/*.png --matcher rootsift,orb --calibrated --json\n  \
+    tectum match rig.toml --left l --right r --matcher rootsift,orb --calibrated --json\n  \
+    tectum match rig.toml --picture both.jpg -o matches.png\n  \
     tectum match rig.toml --left l.png --right r.png --target overlap.json -o matches.png\n\n\
     The rig's geometry says which matches are right: within 0.5 degrees of the epipolar plane, ahead\n\
     of both eyes, less than 40 degrees of parallax. By chance is the share that passes if left and\n\
@@ -40,12 +42,8 @@ use row::Row;
 pub struct Args {
     /// Rig whose eyes took the pictures
     rig: PathBuf,
-    /// Pictures of the left eye
-    #[arg(long, value_name = "A", required = true, num_args = 1..)]
-    left: Vec<PathBuf>,
-    /// Pictures of the right eye, taken at the same times
-    #[arg(long, value_name = "B", required = true, num_args = 1..)]
-    right: Vec<PathBuf>,
+    #[command(flatten)]
+    pairs: PairArgs,
     /// Ways to match: sift, rootsift, orb, superpoint
     #[arg(
         long,
@@ -75,13 +73,10 @@ type Shot = Eyes<GrayImage>;
 
 /// Matches and measures.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
-    if args.left.len() != args.right.len() {
-        let counts = format!("{} left, {} right", args.left.len(), args.right.len());
-        return Err(Usage(format!("pictures come in pairs, here are {counts}")).into());
-    }
+    let paired = args.pairs.paired()?;
     if let Some(output) = &args.output {
         pictures::format_of(output)?;
-        let inputs = args.left.iter().chain(&args.right).cloned();
+        let inputs = paired.files.iter().flatten().cloned();
         files::check_outputs([output], inputs.chain(files::rig_inputs(&args.rig)))?;
     }
     let detectors = detectors(args)?;
@@ -91,9 +86,9 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     if !overlap.exists() {
         bail!("{}: the eyes' fields do not overlap", args.rig.display());
     }
-    let shots = shots(args, &overlap)?;
+    let shots = shots(&paired.files, &overlap)?;
     let mut rows = rows(args, &overlap, &shots, &detectors)?;
-    let refused = boards_row(args, &rig, &overlap, &mut rows)?;
+    let refused = boards_row(args, &paired.files, &rig, &overlap, &mut rows)?;
     if let Some(output) = &args.output {
         pictures::save(output, drawing::draw(&shots[0], &rows))?;
     }
@@ -101,11 +96,15 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         "pairs": shots.len(),
         "rows": rows.iter().map(table::json).collect::<Vec<_>>(),
         "refused": refused,
+        "unpaired": paths_json(&paired.alone),
         "picture": args.output.as_ref().map(path_json),
     });
     let mut text = table::text(&rows);
     for line in &refused {
         text += &format!("no corners in {line}\n");
+    }
+    for file in &paired.alone {
+        text += &format!("no partner for {}\n", file.display());
     }
     Ok(Report::new(text, json))
 }
@@ -113,6 +112,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
 /// Adds the corners of boards, if boards are given; why boards gave none, a line each.
 fn boards_row(
     args: &Args,
+    files: &[Eyes<PathBuf>],
     rig: &Rig,
     overlap: &Overlap,
     rows: &mut Vec<Row>,
@@ -120,9 +120,7 @@ fn boards_row(
     if !args.targets.are_given() {
         return Ok(Vec::new());
     }
-    let pairs = args.left.iter().zip(&args.right);
-    let files: Vec<Eyes<PathBuf>> = pairs.map(|(l, r)| [l.clone(), r.clone()]).collect();
-    let found = boards::paired(rig, &args.rig, &args.targets.targets()?, &files)?;
+    let found = boards::paired(rig, &args.rig, &args.targets.targets()?, files)?;
     let ties = Tie::of_boards(&found.outcomes);
     let matches = ties.iter().map(|tie| tie.pair).collect();
     let name = "boards".to_owned();
@@ -136,7 +134,7 @@ fn detectors(args: &Args) -> anyhow::Result<Vec<(Matcher, Detector)>> {
     args.matcher.iter().map(detector).collect()
 }
 
-fn shots(args: &Args, overlap: &Overlap) -> anyhow::Result<Vec<Shot>> {
+fn shots(files: &[Eyes<PathBuf>], overlap: &Overlap) -> anyhow::Result<Vec<Shot>> {
     let load = |path: &Path, eye: usize| {
         let picture = pictures::load_gray(path)?;
         let [w, h] = overlap.eyes[eye].eye.size_px.map(u32::from);
@@ -150,10 +148,8 @@ fn shots(args: &Args, overlap: &Overlap) -> anyhow::Result<Vec<Shot>> {
         }
         Ok(picture)
     };
-    let pairs = args.left.iter().zip(&args.right);
-    pairs
-        .map(|(left, right)| Ok([load(left, 0)?, load(right, 1)?]))
-        .collect()
+    let shot = |[left, right]: &Eyes<PathBuf>| Ok([load(left, 0)?, load(right, 1)?]);
+    files.iter().map(shot).collect()
 }
 
 fn rows(

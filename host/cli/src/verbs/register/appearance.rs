@@ -14,6 +14,9 @@ use super::{Args, ToneName};
 
 /// Frame in which colours are compared, px a turn: cells there are wider than a degree anyway.
 const COLOUR_WIDTH_PX: u16 = 1024;
+/// Similarity along the seam below which something is wrong: pairs of `rig220-sweepnet` have 0.75 to
+/// 0.99, and pictures with a guessed rig had 0.17.
+const LEAST_SSIM: f64 = 0.5;
 /// Stitched picture of the report, px.
 const SHOWN_PX: [u16; 2] = [1536, 768];
 
@@ -60,11 +63,25 @@ impl Appearance {
         } else {
             let aligned = align(rig, &shots, found.curves.as_ref(), &options)?;
             (found.seam, found.warp) = (Some(aligned.seam), aligned.warp);
-            found.alignment = Some(aligned.summary);
             found.along = aligned.along;
+            found.warn_of(&aligned.summary);
             found.matches = aligned.matches;
+            found.alignment = Some(aligned.summary);
         }
         Ok(found)
+    }
+
+    /// Where the seam stays bad.
+    fn warn_of(&mut self, summary: &AlignSummary) {
+        if summary.ssim_after < LEAST_SSIM {
+            self.warnings.push(format!(
+                "Along the seam both eyes' pictures are alike by an SSIM of {:.2} only, at least \
+                 {LEAST_SSIM} is usual: are the pictures of the same instant, the poses right \
+                 (register by boards, or without --keep-poses), and is the scene as far away as the stitch \
+                 distance (--distance auto)?",
+                summary.ssim_after
+            ));
+        }
     }
 
     fn match_colours(

@@ -48,6 +48,7 @@ pub fn html(done: &Done) -> String {
             .ties
             .map_or("nothing: the eyes are kept", |ties| ties.matcher),
         figures: &figures(done),
+        verdict: &verdict(done),
         warnings: &warnings,
         shots: &shots,
         parallax: &parallax,
@@ -56,6 +57,26 @@ pub fn html(done: &Done) -> String {
         similarity: [&before, &after],
         stitched: Some(&done.stitched.picture),
     })
+}
+
+/// What came of the eyes' poses.
+fn verdict(done: &Done) -> String {
+    let Some(found) = done.registration else {
+        return "The eyes' poses are kept, as asked.".into();
+    };
+    let sure = 2.0 * found.turn_standard_error_deg;
+    match &found.held_out {
+        Some(held_out) if !held_out.improves() => format!(
+            "The rig's poses are kept: matches that took no part miss them by {:.3}°, the poses found by \
+             {:.3}°.",
+            held_out.rig_deg, held_out.found_deg
+        ),
+        _ => format!(
+            "The eyes are registered: turned by {:.3}° against each other, sure to {sure:.3}° (two \
+             standard errors).",
+            found.turn_deg
+        ),
+    }
 }
 
 /// By shot, matches and the angle left, rad.

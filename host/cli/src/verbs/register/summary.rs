@@ -116,6 +116,18 @@ fn poses(done: &Done, text: &mut String) {
             moved.shift_mm, moved.standard_error_mm
         )),
     );
+    if let Some(held_out) = &found.held_out {
+        let verdict = match held_out.improves() {
+            true => "the poses found are taken",
+            false => "the rig's poses are kept",
+        };
+        let _ = writeln!(
+            text,
+            "held out   matches that took no part miss the poses found from the others by {:.3} degrees \
+             (median), the rig's by {:.3}: {verdict}",
+            held_out.found_deg, held_out.rig_deg
+        );
+    }
 }
 
 /// What the seam cuts away or shows twice.
@@ -146,10 +158,16 @@ fn losses(done: &Done, text: &mut String) {
 fn appearance(done: &Done, text: &mut String) {
     let found = done.appearance;
     if let Some(colour) = &found.colour {
+        let what = match colour.is_kept {
+            true => {
+                "kept: no curve brings them closer, the eyes show different things there".into()
+            }
+            false => format!("{:.1} after the curves", colour.after.mean_abs),
+        };
         let _ = writeln!(
             text,
-            "colours    {:.1} levels apart, {:.1} after the curves",
-            colour.before.mean_abs, colour.after.mean_abs
+            "colours    {:.1} levels apart, {what}",
+            colour.before.mean_abs
         );
     }
     if let Some(alignment) = &found.alignment {

@@ -1,0 +1,107 @@
+//! Whether a pose found tells more than the rig's own, by matches that took no part in it.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::Serialize;
+use tectum_optics::vector_of_rotation;
+
+use super::{RayPair, RelativePose, refine};
+use crate::Correspondence;
+
+/// Shots from which on each shot is a part of its own; with fewer, parts are sectors of the picture.
+const LEAST_SHOTS: usize = 3;
+/// Sectors about the left eye's optical axis.
+const SECTORS: usize = 4;
+
+/// How far matches that took no part miss the pose found from all others, and the rig's.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HeldOut {
+    /// Median miss of the rig's own pose, degrees; infinite where it explains less than half.
+    pub rig_deg: f64,
+    /// The same of the pose found from the other parts.
+    pub found_deg: f64,
+}
+
+impl HeldOut {
+    /// Whether the pose found is better.
+    pub fn improves(&self) -> bool {
+        self.found_deg < self.rig_deg
+    }
+}
+
+/// What leaving out one part after another shows.
+pub(super) struct Parts {
+    /// `None` where a part cannot do without the others.
+    pub(super) held_out: Option<HeldOut>,
+    /// Covariance of the rotation by the scatter of the poses without one shot each (delete-one
+    /// jackknife: Efron 1982), rad^2; zero with few shots.
+    pub(super) between_shots: Matrix3<f64>,
+}
+
+/// Leaves out one part of the matches after another. `pose` is made of all of them, `own` is the rig's.
+pub(super) fn parts(
+    matches: &[(Correspondence, RayPair)],
+    pose: &RelativePose,
+    own: &RelativePose,
+    cut_rad: f64,
+) -> Parts {
+    let shots = matches.iter().map(|(c, _)| c.shot + 1).max().unwrap_or(0);
+    let by_shot = shots >= LEAST_SHOTS;
+    let count = if by_shot { shots } else { SECTORS };
+    let part = |(c, pair): &(Correspondence, RayPair)| match by_shot {
+        true => c.shot,
+        false => sector(&pair.left),
+    };
+    let mut misses = [Vec::new(), Vec::new()];
+    let mut turns = Vec::new();
+    for left_out in 0..count {
+        let (held, others): (Vec<_>, Vec<_>) =
+            matches.iter().copied().partition(|m| part(m) == left_out);
+        let others: Vec<RayPair> = others.into_iter().map(|(_, pair)| pair).collect();
+        let Some(without) = refine(&others, pose, cut_rad) else {
+            return Parts {
+                held_out: None,
+                between_shots: Matrix3::zeros(),
+            };
+        };
+        let without = without.pose;
+        turns.push(vector_of_rotation(
+            &(without.rotation * pose.rotation.inverse()),
+        ));
+        for (_, pair) in held {
+            // Wrong matches agree with no pose and say nothing.
+            let both = [own, &without].map(|pose| pose.miss_rad(&pair));
+            if both.iter().any(|miss| *miss < cut_rad) {
+                misses[0].push(both[0]);
+                misses[1].push(both[1]);
+            }
+        }
+    }
+    let [rig_deg, found_deg] = misses.map(|misses| median(misses).to_degrees());
+    Parts {
+        held_out: Some(HeldOut { rig_deg, found_deg }),
+        between_shots: match by_shot {
+            true => jackknife(&turns),
+            false => Matrix3::zeros(),
+        },
+    }
+}
+
+fn sector(ray: &Vector3<f64>) -> usize {
+    let turns = libm::atan2(ray.y, ray.x) / std::f64::consts::TAU + 0.5;
+    ((turns * SECTORS as f64) as usize).min(SECTORS - 1)
+}
+
+fn jackknife(turns: &[Vector3<f64>]) -> Matrix3<f64> {
+    let count = turns.len() as f64;
+    let mean = turns.iter().sum::<Vector3<f64>>() / count;
+    let squares = turns
+        .iter()
+        .map(|turn| (turn - mean) * (turn - mean).transpose());
+    squares.sum::<Matrix3<f64>>() * ((count - 1.0) / count)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let middle = values.get(values.len() / 2);
+    middle.copied().unwrap_or(f64::INFINITY)
+}
