@@ -11,10 +11,9 @@ use crate::mesh::{FittedMesh, Targets, fit};
 use crate::metering::meter_pairs;
 use crate::output_map::{from_table, to_table};
 use crate::rays::eye_rays;
-use crate::rows::Weights;
 use crate::scales::ScalesReport;
-use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE, left_weight};
-use crate::sights::Sights;
+use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE};
+use crate::shown::{Joining, Shown};
 use crate::tone::{ToneError, tone};
 
 /// Steps to try, coarsest first, as powers of two.
@@ -166,6 +165,10 @@ pub enum BakeError {
 /// Bakes a table. A rig with `[stitching]` gives its seam, warp and tone, and metering pairs where
 /// both eyes are shown.
 ///
+/// The picture is traced in bands of rows. What is kept of each shown pixel is its source position, 16
+/// bytes an eye, and 8 more while a mesh is polished; meshes of the finest step need more than that for
+/// their equations.
+///
 /// # Errors
 /// [`BakeError`]: an option out of range, or no table that meets it.
 pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
@@ -174,14 +177,12 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     let output_map = to_table(&options.output).ok_or(BakeError::OutputMap)?;
     let output = from_table(&output_map, options.output.size_px);
     let options = &BakeOptions { output, ..*options };
-    // A position off by the allowed error and its rounding must still have its whole box.
-    let sights = Sights::trace(rig, &output, options.max_error_px + 1.0 / 128.0);
-    let weights = weights(rig, options, &sights);
-    let rows = match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
-        Some(_) => weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights),
-        None => weights.rows(RAMP_TOLERANCE),
+    let joining = match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
+        Some(_) => Joining::Fewer(SEAM_MAP_TOLERANCE),
+        None => Joining::Each(RAMP_TOLERANCE),
     };
-    let [left, right] = meshes(rig, &sights, &rows, options)?;
+    let Shown { rows, targets } = Shown::trace(rig, options, joining);
+    let [left, right] = meshes(rig, targets, options)?;
     if left.is_none() && right.is_none() {
         return Err(BakeError::Empty);
     }
@@ -238,25 +239,10 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// The left eye's weight at every output pixel: the seam map's, or geometry's without one.
-pub(crate) fn weights(rig: &Rig, options: &BakeOptions, sights: &Sights) -> Weights {
-    let output = &options.output;
-    match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
-        Some(seam) => Weights::new(sights, |x, y, [left, right]| match (left, right) {
-            (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
-            _ => left_weight(left, right, 0.0),
-        }),
-        None => Weights::new(sights, |_, _, [left, right]| {
-            left_weight(left, right, options.feather_rad)
-        }),
-    }
-}
-
 /// The coarsest mesh of each eye that meets the error.
 fn meshes(
     rig: &Rig,
-    sights: &Sights,
-    rows: &[Vec<RunData>],
+    targets: [Targets; 2],
     options: &BakeOptions,
 ) -> Result<[Option<FittedMesh>; 2], BakeError> {
     let eyes = [("left", &rig.left), ("right", &rig.right)];
@@ -266,8 +252,7 @@ fn meshes(
             let (name, Some(eye)) = eyes[i] else {
                 return Ok(None);
             };
-            let targets = targets(sights, rows, i);
-            coarsest(name, &targets, eye.eye.size_px, options.max_error_px)
+            coarsest(name, &targets[i], eye.eye.size_px, options.max_error_px)
         })
         .collect();
     let mut fitted = fitted.into_iter();
@@ -300,28 +285,6 @@ fn coarsest(
         reached: reached.join(", "),
         more_error_helps,
     })
-}
-
-/// What one eye shows according to the runs.
-pub(crate) fn targets(sights: &Sights, rows: &[Vec<RunData>], eye: usize) -> Targets {
-    let mut positions = Vec::with_capacity(sights.pixels.len());
-    for (row, sights) in rows.iter().zip(sights.pixels.chunks_exact(sights.width_px)) {
-        let mut sights = sights.iter();
-        for run in row {
-            let (len, shown) = match *run {
-                RunData::Void(n) => (n, [false, false]),
-                RunData::Left(n) => (n, [true, false]),
-                RunData::Right(n) => (n, [false, true]),
-                RunData::Blend(n, _) => (n, [true, true]),
-            };
-            positions.extend(sights.by_ref().take(usize::from(len)).map(|sights| {
-                sights[eye]
-                    .filter(|_| shown[eye])
-                    .map_or(Targets::HIDDEN, |s| s.pixel)
-            }));
-        }
-    }
-    Targets::new(sights.width_px, rows.len(), positions)
 }
 
 fn total_error(meshes: &[&Option<FittedMesh>]) -> ErrorSummary {

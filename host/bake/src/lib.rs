@@ -18,6 +18,7 @@ pub mod reference;
 mod rows;
 mod scales;
 pub mod seam;
+mod shown;
 mod sights;
 mod tone;
 mod verify;

@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 use tectum_optics::{OutputMap, Rig};
 
-use crate::bake::{BakeOptions, STEPS_LOG2, targets, weights};
+use crate::bake::{BakeOptions, STEPS_LOG2};
 use crate::mesh::{Targets, fit};
-use crate::sights::Sights;
+use crate::seam::SEAM_MAP_TOLERANCE;
+use crate::shown::{Joining, Shown};
 
 /// Step of the mesh that is tried on fewer pixels, as a power of two: the finest there is.
 const TRIED_STEP_LOG2: u32 = 3;
@@ -33,12 +34,10 @@ pub fn mesh_bytes(rig: &Rig, options: &BakeOptions) -> Option<usize> {
             output: with_larger_pixels(&options.output, step_log2 - TRIED_STEP_LOG2),
             ..*options
         };
-        let sights = Sights::trace(rig, &fewer.output, options.max_error_px + 1.0 / 128.0);
-        let weights = weights(rig, &fewer, &sights);
-        let rows = weights.rows(crate::seam::SEAM_MAP_TOLERANCE);
+        let shown = Shown::trace(rig, &fewer, Joining::Each(SEAM_MAP_TOLERANCE));
         let found: Vec<Option<usize>> = (0..2)
             .into_par_iter()
-            .map(|eye| bytes[eye].or_else(|| of_eye(eye, &targets(&sights, &rows, eye))))
+            .map(|eye| bytes[eye].or_else(|| of_eye(eye, &shown.targets[eye])))
             .collect();
         bytes = [found[0], found[1]];
         if let [Some(left), Some(right)] = bytes {

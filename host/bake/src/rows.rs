@@ -14,7 +14,7 @@ const WIDTH_PER_SHIFT_PX: usize = 1024;
 /// Rows that share their runs, at most: bounds the work where a seam runs straight down.
 const MAX_SHARING: usize = 32;
 
-/// The left eye's weight at every output pixel, row by row; NaN where neither eye sees anything.
+/// The left eye's weight at every pixel of a band of rows; NaN where neither eye sees anything.
 pub struct Weights {
     width_px: usize,
     values: Vec<f64>,
@@ -29,7 +29,7 @@ impl Weights {
         let width = sights.width_px;
         let of_pixel = |i: usize| {
             let off_axis = sights.pixels[i].map(|sight| sight.map(|s| s.off_axis_rad));
-            weight(i % width, i / width, off_axis).unwrap_or(f64::NAN)
+            weight(i % width, sights.first_row + i / width, off_axis).unwrap_or(f64::NAN)
         };
         Self {
             width_px: width,
@@ -57,16 +57,25 @@ impl Weights {
     /// The same with neighbouring rows made equal wherever one row's runs serve the others: no weight
     /// is farther than `tolerance` beyond what lies a shift away ([`WIDTH_PER_SHIFT_PX`]), and no eye
     /// shows what it does not see. A table stores equal rows once.
-    pub fn fewer_rows(&self, tolerance: f64, sights: &Sights) -> Vec<Vec<RunData>> {
+    ///
+    /// The rows begin at the band's row `from`, above which [`rows_above`] others are needed, but at
+    /// the picture's top. Unless the band ends with the picture, some rows at its end are left to the
+    /// next band.
+    pub fn fewer_rows(
+        &self,
+        tolerance: f64,
+        sights: &Sights,
+        from: usize,
+        is_last: bool,
+    ) -> Vec<Vec<RunData>> {
         let rows = self.rows(tolerance);
-        let shift_px = (self.width_px / WIDTH_PER_SHIFT_PX).max(1);
+        let shift_px = shift_px(self.width_px);
         let ranges: Vec<Vec<[f64; 2]>> = (0..rows.len())
             .into_par_iter()
             .map(|row| self.ranges(row, shift_px, tolerance))
             .collect();
         let serves = |row: usize, runs: &[RunData]| {
-            let first = row * self.width_px;
-            let seen = &sights.pixels[first..first + self.width_px];
+            let seen = sights.row(sights.first_row + row);
             shown(runs)
                 .zip(&ranges[row])
                 .zip(seen)
@@ -79,9 +88,14 @@ impl Weights {
                     }
                 })
         };
+        let needed_below = if is_last {
+            1
+        } else {
+            MAX_SHARING + rows_above(self.width_px)
+        };
         let mut shared = Vec::with_capacity(rows.len());
-        while shared.len() < rows.len() {
-            let first = shared.len();
+        while from + shared.len() + needed_below <= rows.len() {
+            let first = from + shared.len();
             let most = MAX_SHARING.min(rows.len() - first);
             let middle = |count: usize| first + (count - 1) / 2;
             let count = (2..=most)
@@ -103,7 +117,7 @@ impl Weights {
         let width = self.width_px;
         let height = self.values.len() / width;
         let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; width];
-        let most_px = shift_px / 2;
+        let most_px = rows_above(width);
         for other in row.saturating_sub(most_px)..(row + most_px + 1).min(height) {
             let down_px = row.abs_diff(other);
             let across_px = (shift_px * shift_px - down_px * down_px).isqrt();
@@ -123,6 +137,16 @@ impl Weights {
         }
         ranges
     }
+}
+
+/// How far a transition may move, px.
+fn shift_px(width_px: usize) -> usize {
+    (width_px / WIDTH_PER_SHIFT_PX).max(1)
+}
+
+/// Rows above and below that the runs of a row depend on where rows are made equal.
+pub fn rows_above(width_px: usize) -> usize {
+    shift_px(width_px) / 2
 }
 
 /// The left eye's weight at each pixel of a row as its runs have it; `None` where nothing is shown.
@@ -161,6 +185,7 @@ mod tests {
         let pixel = |i: usize| [sight, sight.filter(|_| i % width >= 20)];
         let sights = Sights {
             width_px: width,
+            first_row: 0,
             pixels: (0..width * height).map(pixel).collect(),
         };
         let weights = Weights::new(&sights, |x, y, [left, right]| {
@@ -177,7 +202,7 @@ mod tests {
     fn rows_share_runs_that_serve_them_all() {
         let (weights, sights) = leaning();
         let exact = weights.rows(SEAM_MAP_TOLERANCE);
-        let shared = weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights);
+        let shared = weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights, 0, true);
         let different = |rows: &[Vec<RunData>]| {
             let mut rows = rows.to_vec();
             rows.dedup();
@@ -209,6 +234,7 @@ mod tests {
         let (_, sights) = leaning();
         let sights = Sights {
             width_px,
+            first_row: 0,
             pixels: vec![sights.pixels[20]; width_px * height],
         };
         let at = |x: usize, y: f64| (0.5 - (y - 8.0 - x as f64 / 256.0) / 8.0).clamp(0.0, 1.0);
@@ -218,7 +244,7 @@ mod tests {
             rows.len()
         };
         let exact = different(weights.rows(SEAM_MAP_TOLERANCE));
-        let rows = weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights);
+        let rows = weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights, 0, true);
         for (y, runs) in rows.iter().enumerate() {
             for (x, weight) in shown(runs).enumerate() {
                 let weight = weight.unwrap();

@@ -1,5 +1,7 @@
 //! Where every output pixel looks in each eye, straight from the camera models.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use tectum_optics::{OutputMap, Rig};
 
@@ -12,11 +14,13 @@ pub struct Sight {
     pub off_axis_rad: f64,
 }
 
-/// Sights of all output pixels in both eyes, row by row: `[left, right]`.
+/// Sights of rows of output pixels in both eyes: `[left, right]`.
 #[derive(Debug, Clone)]
 pub struct Sights {
     /// Width of the output, px.
     pub width_px: usize,
+    /// The output's row that comes first.
+    pub first_row: usize,
     /// One entry a pixel.
     pub pixels: Vec<[Option<Sight>; 2]>,
 }
@@ -25,7 +29,13 @@ impl Sights {
     /// Traces every output pixel of `map` into both eyes of `rig`. A sight closer than
     /// `margin_px` to the border of what a bilinear box needs does not count.
     pub fn trace(rig: &Rig, map: &OutputMap, margin_px: f64) -> Self {
-        let [width, height] = map.size_px.map(usize::from);
+        Self::trace_rows(rig, map, margin_px, 0..usize::from(map.size_px[1]))
+    }
+
+    /// The same of some rows alone.
+    pub fn trace_rows(rig: &Rig, map: &OutputMap, margin_px: f64, rows: Range<usize>) -> Self {
+        let width = usize::from(map.size_px[0]);
+        let first_row = rows.start;
         let eyes = [&rig.left, &rig.right];
         let sight = |index: usize, x: usize, y: usize| {
             let eye = eyes[index].as_ref()?;
@@ -42,13 +52,20 @@ impl Sights {
                 ),
             })
         };
-        let pixels = (0..height)
+        let pixels = rows
             .into_par_iter()
             .flat_map_iter(|y| (0..width).map(move |x| [0, 1].map(|eye| sight(eye, x, y))))
             .collect();
         Self {
             width_px: width,
+            first_row,
             pixels,
         }
+    }
+
+    /// Sights of the output's row `y`, which is among those traced.
+    pub fn row(&self, y: usize) -> &[[Option<Sight>; 2]] {
+        let first = (y - self.first_row) * self.width_px;
+        &self.pixels[first..first + self.width_px]
     }
 }

@@ -58,12 +58,11 @@ pub fn fit(
     let Some(grid) = Grid::covering(targets, step_log2) else {
         return Ok(None);
     };
-    let mut weights = vec![1.0; targets.size_px().iter().product()];
+    let mut weights: Option<Vec<f64>> = None;
     let held = held(&grid, targets);
-    let shown_px = targets.shown().count();
     let mut best: Option<FittedMesh> = None;
     for _ in 0..=POLISH_ROUNDS {
-        let mut vertices = solve(&grid, targets, &weights);
+        let mut vertices = solve(&grid, targets, weights.as_deref());
         pull_in(&mut vertices, &held);
         let mut data = quantise(&grid, &vertices, source_size_px)?;
         let mut bytes = data.to_bytes();
@@ -74,8 +73,7 @@ pub fn fit(
         }
         // All else about the mesh is right by construction.
         let mesh = Mesh::parse(&bytes, Eye::Left).map_err(|_| FitError::Jump)?;
-        let errors = errors(&mesh, targets);
-        let (max_error_px, rms_error_px) = summary(&errors, shown_px);
+        let (max_error_px, rms_error_px) = summary(&mesh, targets);
         if best
             .as_ref()
             .is_none_or(|best| max_error_px < best.max_error_px)
@@ -84,66 +82,70 @@ pub fn fit(
                 data,
                 max_error_px,
                 rms_error_px,
-                shown_px,
+                shown_px: targets.shown_px(),
             });
         }
         // Polishing gains a fifth or so: what is far off is left to a finer step.
         if max_error_px <= wanted_px || max_error_px > 1.6 * wanted_px {
             break;
         }
-        reweight(&mut weights, &errors, rms_error_px);
+        let weights = weights.get_or_insert_with(|| vec![1.0; targets.shown_px()]);
+        reweight(weights, &mesh, targets, rms_error_px);
     }
     Ok(best)
 }
 
 /// Lawson's step: weight times error, kept at mean 1 over the shown pixels.
-fn reweight(weights: &mut [f64], errors: &[f64], rms_error_px: f64) {
+fn reweight(weights: &mut [f64], mesh: &Mesh<'_>, targets: &Targets, rms_error_px: f64) {
     // The offset keeps pixels that happen to be exact from losing all weight.
-    for (weight, error) in weights.iter_mut().zip(errors) {
-        *weight *= 0.25 + error / rms_error_px.max(f64::MIN_POSITIVE);
-    }
-    let shown = || errors.iter().zip(&*weights).filter(|(e, _)| !e.is_nan());
-    let mean = shown().map(|(_, w)| w).sum::<f64>() / shown().count() as f64;
+    each_error(mesh, targets, |index, error| {
+        weights[index] *= 0.25 + error / rms_error_px.max(f64::MIN_POSITIVE);
+    });
+    let mean = weights.iter().sum::<f64>() / weights.len() as f64;
     weights.iter_mut().for_each(|w| *w /= mean);
 }
 
-/// Distance of the mesh from each target, px; NaN where none is shown.
-fn errors(mesh: &Mesh<'_>, targets: &Targets) -> Vec<f64> {
+/// Tells the distance of the mesh from each target, px, with the target's index.
+fn each_error(mesh: &Mesh<'_>, targets: &Targets, mut each: impl FnMut(usize, f64)) {
     let [width, height] = targets.size_px();
-    let mut errors = vec![f64::NAN; width * height];
     let step = mesh.step() as usize;
     let first = usize::from(mesh.first_cell()[0]) * step;
     let end = (first + usize::from(mesh.cells()[0]) * step).min(width);
-    for (y, row) in errors.chunks_exact_mut(width).enumerate() {
+    for y in 0..height {
+        let mut shown = targets.within(y, first..end).peekable();
+        if shown.peek().is_none() {
+            continue;
+        }
         let mut x = first;
         for mut segment in mesh.segments(y as u16, first as u32, (end - first) as u32) {
             for _ in 0..segment.len {
-                if let Some([tx, ty]) = targets.get(x, y) {
+                if let Some(target) = shown.next_if(|target| target.x == x) {
+                    let [tx, ty] = target.position;
                     let [dx, dy] = [
                         f64::from(segment.x.position_q8()) / 256.0 - tx,
                         f64::from(segment.y.position_q8()) / 256.0 - ty,
                     ];
-                    row[x] = (dx * dx + dy * dy).sqrt();
+                    each(target.index, (dx * dx + dy * dy).sqrt());
                 }
                 segment.step();
                 x += 1;
             }
         }
     }
-    errors
 }
 
-fn summary(errors: &[f64], shown_px: usize) -> (f64, f64) {
-    let of_shown = || errors.iter().filter(|e| !e.is_nan());
-    let max = of_shown().fold(0.0, |a: f64, e| a.max(*e));
-    (
-        max,
-        (of_shown().map(|e| e * e).sum::<f64>() / shown_px as f64).sqrt(),
-    )
+/// Greatest and root-mean-square error.
+fn summary(mesh: &Mesh<'_>, targets: &Targets) -> (f64, f64) {
+    let (mut max, mut squares) = (0.0f64, 0.0);
+    each_error(mesh, targets, |_, error| {
+        max = max.max(error);
+        squares += error * error;
+    });
+    (max, (squares / targets.shown_px() as f64).sqrt())
 }
 
 /// Least-squares vertices, row by row.
-fn solve(grid: &Grid, targets: &Targets, pixel_weights: &[f64]) -> Vec<[f64; 2]> {
+fn solve(grid: &Grid, targets: &Targets, pixel_weights: Option<&[f64]>) -> Vec<[f64; 2]> {
     let numbers = Numbers::of(grid);
     let mut matrix = Banded::zero(numbers.count(), 3 * numbers.stride() + 3);
     let mut right = [vec![0.0; numbers.count()], vec![0.0; numbers.count()]];
@@ -223,7 +225,7 @@ impl Local {
         grid: &Grid,
         cell: [usize; 2],
         targets: &Targets,
-        pixel_weights: &[f64],
+        pixel_weights: Option<&[f64]>,
         weights: &[[f64; 4]],
     ) -> Self {
         let mut local = Self {
@@ -231,12 +233,11 @@ impl Local {
             right: [[0.0; 16]; 2],
         };
         let [left, top] = grid.corner(cell);
-        let [width, height] = targets.size_px();
+        let [_, height] = targets.size_px();
         for (y, wy) in (top..height).zip(weights) {
-            for (x, wx) in (left..width).zip(weights) {
-                if let Some(target) = targets.get(x, y) {
-                    local.add_pixel(wx, wy, target, pixel_weights[y * width + x]);
-                }
+            for target in targets.within(y, left..left + weights.len()) {
+                let weight = pixel_weights.map_or(1.0, |weights| weights[target.index]);
+                local.add_pixel(&weights[target.x - left], wy, target.position, weight);
             }
         }
         local
@@ -284,10 +285,14 @@ impl Local {
 fn held(grid: &Grid, targets: &Targets) -> Vec<bool> {
     let [columns, rows] = grid.vertices();
     let mut held = vec![false; columns * rows];
-    for (x, y, _) in targets.shown() {
-        let [i, j] = [0, 1].map(|axis| ([x, y][axis] >> grid.step_log2) - grid.first_cell[axis]);
-        for row in held[j * columns + i..].chunks_mut(columns).take(4) {
-            row[..4].fill(true);
+    let [width, height] = targets.size_px();
+    for y in 0..height {
+        for target in targets.within(y, 0..width) {
+            let of_axis = |axis: usize, at: usize| (at >> grid.step_log2) - grid.first_cell[axis];
+            let [i, j] = [of_axis(0, target.x), of_axis(1, y)];
+            for row in held[j * columns + i..].chunks_mut(columns).take(4) {
+                row[..4].fill(true);
+            }
         }
     }
     held

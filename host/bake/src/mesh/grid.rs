@@ -15,10 +15,10 @@ impl Grid {
     pub fn covering(targets: &Targets, step_log2: u32) -> Option<Self> {
         let mut low = [usize::MAX; 2];
         let mut high = [0; 2];
-        for (x, y, _) in targets.shown() {
-            for (i, v) in [x, y].into_iter().enumerate() {
-                low[i] = low[i].min(v >> step_log2);
-                high[i] = high[i].max(v >> step_log2);
+        for (y, [first, last]) in targets.reaches() {
+            for (i, [from, to]) in [[first, last], [y, y]].into_iter().enumerate() {
+                low[i] = low[i].min(from >> step_log2);
+                high[i] = high[i].max(to >> step_log2);
             }
         }
         (low[0] <= high[0]).then(|| Self {

@@ -257,6 +257,21 @@ fn an_output_larger_than_memory_is_refused() {
     assert_eq!(bench.files(), ["rig.toml"]);
 }
 
+/// What is kept of a pixel is where it looks: a picture of 4.7 million pixels took 640 MB when all of them
+/// were traced before any was used.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_large_output_is_baked_in_little_memory() {
+    let bench = Bench::new();
+    let script = format!(
+        "ulimit -v 500000; exec '{}' bake rig.toml -o out.tct --size 3072x1536",
+        env!("CARGO_BIN_EXE_tectum")
+    );
+    let output = bench.command("sh").args(["-c", &script]).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{message}");
+}
+
 #[test]
 fn wrong_usage_is_exit_code_2() {
     let bench = Bench::with_table();
