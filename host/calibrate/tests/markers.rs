@@ -3,11 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use image::GrayImage;
+use rayon::prelude::*;
 use serde_json::Value;
 use tectum_calibrate::Dictionary;
 use tectum_calibrate::detect::marker::{MarkerOptions, MarkerView, detect, is_mirrored};
 use tectum_test_data::data as set;
 
+#[path = "markers/drawn.rs"]
+mod drawn;
 #[path = "markers/fisheye.rs"]
 mod fisheye;
 
@@ -195,6 +198,56 @@ fn chessboards_hold_no_marker() {
 fn chessboards_and_rooms_hold_no_marker() {
     let sets = ["ocam-fisheye1", "ocam-vmr", "ocam-ladybug", "gopro-derlunz"];
     no_marker(&sets, 1);
+}
+
+#[test]
+#[ignore = "campaign detection: a thousand pictures, some minutes"]
+fn a_thousand_pictures_without_markers_hold_none() {
+    let sets = [
+        "camodocal-car-fisheye",
+        "diverging-pair-slug",
+        "dual-fisheye-210",
+        "dual-fisheye-gear360",
+        "gopro-derlunz",
+        "multiboard-libcbdetect",
+        "ocam-fisheye1",
+        "ocam-kaidan",
+        "ocam-ladybug",
+        "ocam-vmr",
+        "pinhole-opencv-leftright",
+        "rig220-sweepnet",
+        "stereo-fisheye-opencv",
+        "svs-fisheye-dyfcalid",
+        "t265-air-underwater",
+        "underwater-suim",
+    ];
+    let folders = sets.iter().filter_map(|name| set(name));
+    let files: Vec<PathBuf> = folders.flat_map(|folder| pictures(&folder)).collect();
+    // The usual dictionary; its markers have the fewest cells, which chance hits soonest.
+    let dictionary = standard("DICT_4X4_50");
+    // As it is, mirrored, and both with black and white exchanged: four pictures to a detector.
+    let markers = |file: &PathBuf| {
+        let mut picture = open(file);
+        let mut count = 0;
+        for turn in 0..4 {
+            let found = detect(&picture, &dictionary, &MarkerOptions::default());
+            if !found.is_empty() {
+                println!("{}, way {turn}: {:?}", file.display(), ids(&found));
+            }
+            count += found.len();
+            image::imageops::flip_horizontal_in_place(&mut picture);
+            if turn == 1 {
+                image::imageops::invert(&mut picture);
+            }
+        }
+        count
+    };
+    let count: usize = files.par_iter().map(markers).sum();
+    println!(
+        "{count} markers in {} pictures without any",
+        4 * files.len()
+    );
+    assert_eq!(count, 0);
 }
 
 fn no_marker(sets: &[&str], every: usize) {

@@ -12,7 +12,7 @@ use super::{Found, Wanted};
 
 /// Version of what the detectors answer and of this file's shape: raised with every change of
 /// either, so that results of an older build are not taken for this one's.
-const DETECTOR_VERSION: u32 = 2;
+const DETECTOR_VERSION: u32 = 3;
 
 /// All that a detection depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -16,6 +16,25 @@ pub(super) struct Cells {
     side: usize,
 }
 
+/// A marker that was read.
+#[derive(Debug)]
+pub(super) struct Reading {
+    pub id: u32,
+    /// Quarter turns, clockwise as seen, from the marker as printed to the cells as observed.
+    pub turns: usize,
+    /// Cells that differ from the dictionary's.
+    pub hamming: u32,
+    /// How the cells spread over the picture.
+    pub spread: Spread,
+    /// As observed, row by row, the black border included.
+    pub black: Vec<bool>,
+    /// Cells along a side, the border included.
+    pub side: usize,
+    /// Mean grey levels of black and of white.
+    pub dark: f64,
+    pub bright: f64,
+}
+
 /// Least part of the variance of the cells that black and white explain: noise alone has 0.64
 /// (two halves of a normal distribution).
 const MIN_SEPARATION: f64 = 0.75;
@@ -28,20 +47,20 @@ const MIN_WHITE_SURROUND: f64 = 0.7;
 const MAX_CHANCE: f64 = 1e-3;
 
 impl Cells {
-    /// Identity, quarter turns and wrong cells of the marker that a quadrilateral shows.
+    /// The marker that a quadrilateral shows.
     pub fn read(
         plane: &Plane,
         quad: &Quad,
         dictionary: &Dictionary,
         options: &MarkerOptions,
-    ) -> Option<(u32, usize, u32)> {
+    ) -> Option<Reading> {
         let readings = [Spread::Perspective, Spread::Even]
             .into_iter()
             .filter_map(|spread| {
                 let cells = Self::sample(plane, quad, spread, dictionary.side() + 2);
-                cells.identify(dictionary, options)
+                cells.identify(spread, dictionary, options)
             });
-        readings.min_by_key(|&(_, _, hamming)| hamming)
+        readings.min_by_key(|reading| reading.hamming)
     }
 
     fn sample(plane: &Plane, quad: &Quad, spread: Spread, side: usize) -> Self {
@@ -80,9 +99,10 @@ impl Cells {
 
     fn identify(
         &self,
+        spread: Spread,
         dictionary: &Dictionary,
         options: &MarkerOptions,
-    ) -> Option<(u32, usize, u32)> {
+    ) -> Option<Reading> {
         let all: Vec<f64> = self.levels.iter().chain(&self.surround).copied().collect();
         let split = Split::of(all)?;
         if split.contrast < options.min_contrast || split.separation < MIN_SEPARATION {
@@ -115,7 +135,16 @@ impl Cells {
         }
         let budget = if broken == 0 { budget(dictionary) } else { 0 };
         let reading = dictionary.read(&inner, budget)?;
-        Some((reading.id, reading.turns, reading.hamming))
+        Some(Reading {
+            id: reading.id,
+            turns: reading.turns,
+            hamming: reading.hamming,
+            spread,
+            black,
+            side: self.side,
+            dark: split.threshold - split.contrast / 2.0,
+            bright: split.threshold + split.contrast / 2.0,
+        })
     }
 }
 

@@ -2,7 +2,10 @@
 
 use image::GrayImage;
 
-/// A picture read at any point. Pixels outside are those of its border.
+use super::tone::Tone;
+
+/// A picture read at any point. Pixels outside are those of its border. Until it is known better,
+/// grey levels are taken to code light as sRGB does.
 #[derive(Debug)]
 pub(super) struct Plane<'a> {
     levels: &'a [u8],
@@ -19,6 +22,14 @@ impl<'a> Plane<'a> {
             light: std::array::from_fn(|level| srgb_light(level as f64 / 255.0)),
             width: picture.width() as usize,
             height: picture.height() as usize,
+        }
+    }
+
+    /// The same picture, coded as `tone` has it.
+    pub fn coded(&self, tone: Tone) -> Self {
+        Self {
+            light: std::array::from_fn(|level| tone.light(level as f64 / 255.0)),
+            ..*self
         }
     }
 

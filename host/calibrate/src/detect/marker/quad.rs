@@ -79,6 +79,32 @@ impl Quad {
         })
     }
 
+    /// The corners where the sides meet that a picture shows near these, which may be coded
+    /// otherwise.
+    pub fn corners_in(&self, plane: &Plane, reach_px: f64) -> Option<[[f64; 2]; 4]> {
+        let mut sides = self.sides.clone();
+        for side in &mut sides {
+            let points = edge::points(plane, side, reach_px);
+            side.fit(&points, degree(side.length_px()))?;
+        }
+        let mut corners_px = self.corners_px;
+        for k in 0..4 {
+            corners_px[k] = sides[(k + 3) % 4].meets(&sides[k])?;
+        }
+        Some(corners_px)
+    }
+
+    /// Length of the longest side's chord, px.
+    pub fn longest_side_px(&self) -> f64 {
+        self.sides.iter().map(Side::length_px).fold(0.0, f64::max)
+    }
+
+    /// Length of the shortest side's chord, px.
+    pub fn shortest_side_px(&self) -> f64 {
+        let lengths = self.sides.iter().map(Side::length_px);
+        lengths.fold(f64::INFINITY, f64::min)
+    }
+
     /// Where a place on the marker is seen; (0, 0) is the first corner, (1, 0) the second.
     pub fn at(&self, spread: Spread, u: f64, v: f64) -> [f64; 2] {
         let flat = |u: f64, v: f64| self.flat(spread, u, v);
