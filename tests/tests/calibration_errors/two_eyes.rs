@@ -6,11 +6,13 @@ use rayon::prelude::*;
 use tectum_calibrate::solve::{Options, Problem, calibrate};
 use tectum_calibrate::stereo::{self, StereoCalibration};
 use tectum_calibrate::{Board, BoardPose, Calibration, Corner, View};
+use tectum_optics::CameraModel;
 
 use crate::lens::TrueLens;
-use crate::random::Random;
+use crate::random::{Random, best_rotation};
 
 const SIZE_PX: [u32; 2] = [1280, 960];
+const HALF_FIELD_RAD: f64 = 105.0 * std::f64::consts::PI / 180.0;
 /// Noise of a corner, px.
 const NOISE_PX: f64 = 0.08;
 /// Time that a rolling shutter takes from the first row to the last, s.
@@ -98,8 +100,12 @@ fn pose(facing: &Rotation3<f64>, random: &mut Random) -> BoardPose {
 }
 
 /// `pairs` pictures that both eyes see, then ten of each eye alone.
-fn problems(pairs: usize, trouble: Trouble, random: &mut Random) -> [Problem; 2] {
-    let lenses = [0, 1].map(|_| TrueLens::draw(random, SIZE_PX, 105f64.to_radians()));
+fn problems(
+    lenses: &[TrueLens; 2],
+    pairs: usize,
+    trouble: Trouble,
+    random: &mut Random,
+) -> [Problem; 2] {
     let back = truth().inverse();
     let mut views = [Vec::new(), Vec::new()];
     let facing = |off_axis: f64, random: &mut Random| {
@@ -149,6 +155,21 @@ fn problems(pairs: usize, trouble: Trouble, random: &mut Random) -> [Problem; 2]
     })
 }
 
+/// The rotation that takes a found lens's rays to the true ones, over the field out to 5 degrees from the
+/// rim.
+fn frame(lens: &TrueLens, found: &CameraModel) -> Rotation3<f64> {
+    let rays = (0..1000).filter_map(|k| {
+        let share = (f64::from(k) + 0.5) / 1000.0;
+        let off_axis = libm::acos(1.0 - share * (1.0 - libm::cos(HALF_FIELD_RAD - 0.09)));
+        let turn = 2.4 * f64::from(k);
+        let (sin, cos) = (libm::sin(off_axis), libm::cos(off_axis));
+        let truth = Vector3::new(sin * libm::cos(turn), sin * libm::sin(turn), cos);
+        let seen = found.unproject(lens.project(&truth)?).ok()?;
+        Some((truth, seen.normalize()))
+    });
+    best_rotation(rays)
+}
+
 /// Angle to the true rotation, what is stated of it, and the same of the position, in degrees and mm.
 struct Outcome {
     turn_deg: [f64; 2],
@@ -158,7 +179,8 @@ struct Outcome {
 
 fn outcome(pairs: usize, trouble: Trouble, seed: u64) -> Result<Outcome, String> {
     let mut random = Random(seed.wrapping_mul(0x9e6c_63d0_876a_9a47));
-    let [left, right] = problems(pairs, trouble, &mut random);
+    let lenses = [0, 1].map(|_| TrueLens::draw(&mut random, SIZE_PX, HALF_FIELD_RAD));
+    let [left, right] = problems(&lenses, pairs, trouble, &mut random);
     let eye = |problem: &Problem| -> Result<Calibration, String> {
         let options = Options {
             degree: Some(6),
@@ -169,12 +191,20 @@ fn outcome(pairs: usize, trouble: Trouble, seed: u64) -> Result<Outcome, String>
     let (a, b) = (eye(&left)?, eye(&right)?);
     let tied: StereoCalibration =
         stereo::calibrate((&left, &a), (&right, &b)).map_err(|error| error.to_string())?;
+    // A lens before a tilted sensor has no axis that a camera model could have: an eye's frame is where
+    // its rays are nearest to the true ones.
+    let frames = [
+        frame(&lenses[0], &tied.left),
+        frame(&lenses[1], &tied.right),
+    ];
     let truth = truth();
-    let turn = (tied.rotation * truth.rotation.inverse()).angle();
+    let rotation = frames[0] * tied.rotation * frames[1].inverse();
+    let turn = (rotation * truth.rotation.inverse()).angle();
+    let position_mm = frames[0] * tied.position_mm;
     Ok(Outcome {
         turn_deg: [turn, tied.rotation_standard_error_rad.norm()].map(f64::to_degrees),
         shift_mm: [
-            (tied.position_mm - truth.position_mm).norm(),
+            (position_mm - truth.position_mm).norm(),
             tied.position_standard_error_mm.norm(),
         ],
         left_out: tied.left_out.len(),
@@ -217,18 +247,24 @@ fn run(name: &str, pairs: usize, trouble: Trouble, runs: u64) -> (f64, f64) {
 }
 
 #[test]
-#[ignore = "campaign calibration: 200 pairs of calibrations, minutes"]
-fn the_pose_between_two_eyes_is_within_its_stated_error() {
-    let troubled = Trouble {
+#[ignore = "campaign calibration: 50 calibrations, minutes"]
+fn still_boards_tie_two_eyes_within_the_stated_error() {
+    let (share, worst) = run("still boards", 20, STILL, 25);
+    assert!(share >= 0.95, "{share}");
+    // What is asked of 20 good pairs.
+    assert!(worst <= 0.02, "{worst}");
+}
+
+#[test]
+#[ignore = "campaign calibration: 200 calibrations, minutes"]
+fn boards_in_a_hand_tie_two_eyes_within_the_stated_error() {
+    let trouble = Trouble {
         moved: 0.2,
         hand_mm_s: 15.0,
         is_rolling: true,
         is_late: true,
     };
-    let (still, worst) = run("still boards", 20, STILL, 25);
-    assert!(still >= 0.95, "{still}");
-    // What is asked of 20 good pairs.
-    assert!(worst <= 0.02, "{worst}");
-    let (share, _) = run("moved, rolling, late", 20, troubled, 100);
+    let runs = std::env::var("RUNS").map_or(100, |n| n.parse().unwrap());
+    let (share, _) = run("moved, rolling, late", 20, trouble, runs);
     assert!(share >= 0.95, "{share}");
 }

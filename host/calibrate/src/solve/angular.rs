@@ -18,17 +18,18 @@ const SPOKES: u32 = 24;
 /// all rays of the field taken off, as a rig does that finds each eye's rotation by itself. The
 /// second is smaller: a shift of the centre is mostly a rotation.
 ///
-/// The standard error is `sqrt(s^2 + d^2)`. `s` is that of the [freer lens](FreerLens), the greater of
-/// what the corners' noise and the jackknife over views say. `d` is the difference between the rays of
+/// Free of rotation, the standard error is `sqrt(s^2 + d^2)`. `s` is that of the [freer lens](FreerLens),
+/// the greater of what the corners' noise and the jackknife over views say. `d` is the difference between the rays of
 /// the chosen lens and those of the freer one, as a root mean square round the ring at that angle off
-/// axis, since a difference that crosses zero somewhere is no smaller an error there.
+/// axis, since a difference that crosses zero somewhere is no smaller an error there. In the camera's own
+/// frame, what the chosen lens's covariance says of the common rotation is added.
 #[derive(Debug)]
 pub struct AngularUncertainty {
     own: Spread,
     freer: Option<Spread>,
     /// By even steps of the angle off axis: mean squares of the differences between both lenses, rad^2,
-    /// in the camera's own frame and free of rotation.
-    differences: Vec<[f64; 2]>,
+    /// free of rotation.
+    differences: Vec<f64>,
     /// Angle off axis between those, rad.
     step_rad: f64,
 }
@@ -68,32 +69,38 @@ impl AngularUncertainty {
     /// Root mean square angle between the estimated and the true ray through `pixel`, both in the
     /// camera's own frame, rad; `None` outside the image.
     pub fn sigma_rad(&self, pixel: [f64; 2]) -> Option<f64> {
-        self.combined(pixel, 0)
+        let (ray, own) = self.own_variances(pixel)?;
+        // The frame is the chosen lens's: a freer one's centre is another convention.
+        let turn = (own[0] - own[1]).max(0.0);
+        Some((turn + self.rotation_free_variance(&ray, own[1])).sqrt())
     }
 
     /// The same with the best common rotation of the whole field taken off, rad.
     pub fn rotation_free_sigma_rad(&self, pixel: [f64; 2]) -> Option<f64> {
-        self.combined(pixel, 1)
+        let (ray, own) = self.own_variances(pixel)?;
+        Some(self.rotation_free_variance(&ray, own[1]).sqrt())
     }
 
-    /// In the camera's own frame (0) or free of rotation (1).
-    fn combined(&self, pixel: [f64; 2], frame: usize) -> Option<f64> {
+    /// Ray through a pixel, and its [`Spread::variances`] by the chosen lens.
+    fn own_variances(&self, pixel: [f64; 2]) -> Option<(Vector3<f64>, [f64; 2])> {
         let ray = self.own.lens.unproject(&self.own.p, pixel)?;
-        let own = self.own.variances(&ray)?[frame];
-        let Some(freer) = &self.freer else {
-            return Some(own.sqrt());
-        };
-        let free = freer.variances(&ray).map_or(own, |free| free[frame]);
+        Some((ray, self.own.variances(&ray)?))
+    }
+
+    /// Of a ray whose variance is `own` by the chosen lens, rad^2.
+    fn rotation_free_variance(&self, ray: &Vector3<f64>, own: f64) -> f64 {
+        let freer = self.freer.as_ref().and_then(|freer| freer.variances(ray));
+        let free = freer.map_or(own, |free| own.max(free[1]));
         let angle = libm::atan2(libm::hypot(ray.x, ray.y), ray.z);
-        Some((own.max(free) + self.difference(angle, frame)).sqrt())
+        free + self.difference(angle)
     }
 
     /// Mean square of the difference at an angle off axis, rad^2: in line between the rings, that of the
     /// innermost and the outermost one within and beyond.
-    fn difference(&self, angle: f64, frame: usize) -> f64 {
+    fn difference(&self, angle: f64) -> f64 {
         let place = (angle / self.step_rad - 0.5).max(0.0);
         let last = self.differences.len().saturating_sub(1);
-        let at = |k: usize| self.differences.get(k.min(last)).map_or(0.0, |d| d[frame]);
+        let at = |k: usize| self.differences.get(k.min(last)).copied().unwrap_or(0.0);
         let from = place as usize;
         let share = place - from as f64;
         at(from) * (1.0 - share) + at(from + 1) * share
@@ -200,9 +207,9 @@ fn rays(field_rad: f64) -> impl Iterator<Item = (Vector3<f64>, f64)> {
     })
 }
 
-/// Mean squares round each ring of the difference between the rays of two lenses, rad^2, in the cameras'
-/// own frames and with the best rotation between both taken off.
-fn differences(own: &Spread, freer: &Spread, field_rad: f64) -> Vec<[f64; 2]> {
+/// Mean squares round each ring of the difference between the rays of two lenses, rad^2, the best rotation
+/// between both taken off.
+fn differences(own: &Spread, freer: &Spread, field_rad: f64) -> Vec<f64> {
     let all: Vec<(Vector3<f64>, f64)> = rays(field_rad).collect();
     let moved: Vec<Option<Vector3<f64>>> = all
         .iter()
@@ -220,19 +227,14 @@ fn differences(own: &Spread, freer: &Spread, field_rad: f64) -> Vec<[f64; 2]> {
         right += by_rotation.transpose() * moved * *area;
     }
     let turn = normal.try_inverse().map_or(Vector3::zeros(), |n| n * right);
-    let both: Vec<Option<[f64; 2]>> = all
-        .iter()
-        .zip(&moved)
-        .map(|((ray, _), moved)| {
-            let moved = (*moved)?;
-            Some([moved, moved - turn.cross(ray)].map(|moved| moved.norm_squared()))
-        })
-        .collect();
-    both.chunks(SPOKES as usize)
-        .map(|ring| {
-            let seen: Vec<&[f64; 2]> = ring.iter().flatten().collect();
-            let count = seen.len().max(1) as f64;
-            [0, 1].map(|frame: usize| seen.iter().map(|d| d[frame]).sum::<f64>() / count)
-        })
-        .collect()
+    let apart = all.iter().zip(&moved).map(|((ray, _), moved)| {
+        let moved = (*moved)?;
+        Some((moved - turn.cross(ray)).norm_squared())
+    });
+    let apart: Vec<Option<f64>> = apart.collect();
+    let ring = |ring: &[Option<f64>]| {
+        let seen: Vec<f64> = ring.iter().flatten().copied().collect();
+        seen.iter().sum::<f64>() / seen.len().max(1) as f64
+    };
+    apart.chunks(SPOKES as usize).map(ring).collect()
 }
