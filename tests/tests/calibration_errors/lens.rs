@@ -23,8 +23,14 @@ pub struct TrueLens {
 }
 
 impl TrueLens {
-    /// A lens whose image circle fits the picture's shorter side.
-    pub fn draw(random: &mut Random, size_px: [u32; 2], half_field_rad: f64) -> Self {
+    /// A lens whose image circle fits the picture's shorter side, before a sensor that is tilted by at most
+    /// so much about either axis.
+    pub fn draw(
+        random: &mut Random,
+        size_px: [u32; 2],
+        half_field_rad: f64,
+        most_tilt_rad: f64,
+    ) -> Self {
         let is_sine = random.uniform() < 0.5;
         let squeeze = if is_sine {
             random.within(0.1, 0.45)
@@ -33,7 +39,7 @@ impl TrueLens {
         };
         let k = [random.within(-0.02, 0.01), random.within(-0.001, 0.001)];
         let radius_px = 0.49 * f64::from(size_px[0].min(size_px[1]));
-        let tilt_rad = [0, 1].map(|_| random.within(-1.0, 1.0).to_radians());
+        let tilt_rad = [0, 1].map(|_| most_tilt_rad * random.within(-1.0, 1.0));
         let centre_px = size_px.map(|side| {
             let side = f64::from(side);
             (side - 1.0) / 2.0 + 0.005 * side * random.normal()

@@ -18,6 +18,8 @@ const SAMPLES: u32 = 4;
 const JPEG_QUALITY: u8 = 60;
 /// Standard deviation of the sensor's noise, grey levels.
 const NOISE: f64 = 1.5;
+/// Greatest tilt of the sensor about either axis, rad.
+const TILT_RAD: f64 = std::f64::consts::PI / 180.0;
 const SQUARE_MM: f64 = 30.0;
 /// Grey levels of what surrounds the board, its dark and its bright squares.
 const TONES: [f64; 3] = [90.0, 40.0, 200.0];
@@ -49,7 +51,7 @@ impl Session {
         let half_field_rad = random.within(100.0, 117.5).to_radians();
         let blur_px = random.within(0.3, 2.6);
         Self {
-            lens: TrueLens::draw(&mut random, size_px, half_field_rad),
+            lens: TrueLens::draw(&mut random, size_px, half_field_rad, TILT_RAD),
             size_px,
             blur_px,
             pictures: 16 + (random.uniform() * 15.0) as usize,

@@ -29,6 +29,8 @@ struct Trouble {
     hand_mm_s: f64,
     is_rolling: bool,
     is_late: bool,
+    /// Greatest tilt of a sensor about either axis, rad.
+    tilt_rad: f64,
 }
 
 const STILL: Trouble = Trouble {
@@ -36,7 +38,10 @@ const STILL: Trouble = Trouble {
     hand_mm_s: 0.0,
     is_rolling: false,
     is_late: false,
+    tilt_rad: 0.0,
 };
+/// One degree: what no camera model holds.
+const TILT_RAD: f64 = std::f64::consts::PI / 180.0;
 
 fn board() -> Board {
     Board {
@@ -179,7 +184,8 @@ struct Outcome {
 
 fn outcome(pairs: usize, trouble: Trouble, seed: u64) -> Result<Outcome, String> {
     let mut random = Random(seed.wrapping_mul(0x9e6c_63d0_876a_9a47));
-    let lenses = [0, 1].map(|_| TrueLens::draw(&mut random, SIZE_PX, HALF_FIELD_RAD));
+    let lenses =
+        [0, 1].map(|_| TrueLens::draw(&mut random, SIZE_PX, HALF_FIELD_RAD, trouble.tilt_rad));
     let [left, right] = problems(&lenses, pairs, trouble, &mut random);
     let eye = |problem: &Problem| -> Result<Calibration, String> {
         let options = Options {
@@ -212,7 +218,7 @@ fn outcome(pairs: usize, trouble: Trouble, seed: u64) -> Result<Outcome, String>
 }
 
 /// Prints runs with a trouble; the share of those whose rotation is within twice its stated standard
-/// error, and the greatest angle to the true one, degrees.
+/// error, and the root mean square of the angle to the true one, degrees.
 fn run(name: &str, pairs: usize, trouble: Trouble, runs: u64) -> (f64, f64) {
     let outcomes: Vec<Result<Outcome, String>> = (0..runs)
         .into_par_iter()
@@ -231,11 +237,11 @@ fn run(name: &str, pairs: usize, trouble: Trouble, runs: u64) -> (f64, f64) {
         (sum / good.len().max(1) as f64).sqrt()
     };
     let worst = good.iter().map(|o| o.turn_deg[0]).fold(0.0, f64::max);
+    let turned = rms(&|o| o.turn_deg[0]);
     let (turns, shifts) = (within(|o| o.turn_deg), within(|o| o.shift_mm));
     println!(
-        "{name} | {runs} runs of {pairs} pairs | rotation {:.4} degrees RMS, {worst:.4} worst, {:.4} stated, \
+        "{name} | {runs} runs of {pairs} pairs | rotation {turned:.4} degrees RMS, {worst:.4} worst, {:.4} stated, \
          {:.0} % within twice | position {:.3} mm RMS, {:.3} stated, {:.0} % within twice | {} pairs left out",
-        rms(&|o| o.turn_deg[0]),
         rms(&|o| o.turn_deg[1]),
         100.0 * turns,
         rms(&|o| o.shift_mm[0]),
@@ -243,16 +249,22 @@ fn run(name: &str, pairs: usize, trouble: Trouble, runs: u64) -> (f64, f64) {
         100.0 * shifts,
         good.iter().map(|o| o.left_out).sum::<usize>(),
     );
-    (turns, worst)
+    (turns, turned)
 }
 
 #[test]
-#[ignore = "campaign calibration: 50 calibrations, minutes"]
+#[ignore = "campaign calibration: 80 calibrations, minutes"]
 fn still_boards_tie_two_eyes_within_the_stated_error() {
-    let (share, worst) = run("still boards", 20, STILL, 25);
+    let (share, turned) = run("still boards", 20, STILL, 20);
     assert!(share >= 0.95, "{share}");
     // What is asked of 20 good pairs.
-    assert!(worst <= 0.02, "{worst}");
+    assert!(turned <= 0.02, "{turned}");
+    let tilted = Trouble {
+        tilt_rad: TILT_RAD,
+        ..STILL
+    };
+    let (share, _) = run("still boards, tilted sensors", 20, tilted, 20);
+    assert!(share >= 0.95, "{share}");
 }
 
 #[test]
@@ -263,8 +275,8 @@ fn boards_in_a_hand_tie_two_eyes_within_the_stated_error() {
         hand_mm_s: 15.0,
         is_rolling: true,
         is_late: true,
+        tilt_rad: TILT_RAD,
     };
-    let runs = std::env::var("RUNS").map_or(100, |n| n.parse().unwrap());
-    let (share, _) = run("moved, rolling, late", 20, trouble, runs);
+    let (share, _) = run("moved, rolling, late", 20, trouble, 100);
     assert!(share >= 0.95, "{share}");
 }
