@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Rotation3, Vector3};
 use tectum_optics::CameraModel;
 
 use crate::BoardShape;
+use crate::solve::FreerLens;
 
 /// Where a board is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,6 +133,9 @@ pub struct Calibration {
     pub parameters: Vec<Parameter>,
     /// Covariance of the intrinsic parameters, poses marginalised.
     pub covariance: DMatrix<f64>,
+    /// A lens of more freedom through the same corners, which shows what the camera's model leaves out;
+    /// `None` where they do not fix one.
+    pub freer: Option<FreerLens>,
     /// All models tried, the chosen one included.
     pub scores: Vec<ModelScore>,
     /// How the board departs from a flat one, where held-out pictures show that it does.

@@ -6,7 +6,7 @@ use tectum_optics::{Eye, Field};
 
 use super::coverage::{Coverage, Place, Shown, coverage};
 use super::verdict::{Grounds, Verdict};
-use super::{ReportInput, ReportView, image_circle};
+use super::{ReportInput, ReportView, image_circle, precision};
 use crate::{CornerFit, ModelScore, ViewFit};
 
 /// Straight back is no field of a lens, rad.
@@ -104,9 +104,13 @@ impl<'a> Facts<'a> {
             })
             .collect();
         let coverage = coverage(&eye, &shown);
+        let limit_rad = coverage.limit_rad.iter().copied().fold(0.0, f64::max);
+        let sigma_rad = input.rotation_free_sigma_rad;
+        let sigma_rad = sigma_rad.unwrap_or(input.angular_sigma_rad);
         let verdict = Verdict::new(&Grounds {
             calibration,
             coverage: &coverage,
+            rings: precision::rings(&eye, limit_rad, sigma_rad),
             corners_seen: input.views.iter().map(|v| v.view.corners.len()).sum(),
         });
         Self {

@@ -10,6 +10,7 @@ mod image_circle;
 mod map;
 mod models;
 mod pictures;
+pub mod precision;
 mod radial;
 mod residuals;
 pub mod rig;

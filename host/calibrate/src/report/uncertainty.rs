@@ -22,6 +22,7 @@ pub fn html(facts: &Facts) -> String {
     let own = figure_of(facts, "own-frame", facts.input.angular_sigma_rad, OWN_FRAME);
     let free = facts.input.rotation_free_sigma_rad;
     let free = free.and_then(|sigma| figure_of(facts, "rotation-free", sigma, ROTATION_FREE));
+    let which = if free.is_some() { "the second" } else { "this" };
     let body = match (own, free) {
         (Some(own), Some(free)) => format!("<div class=\"two\">{own}{free}</div>"),
         (Some(one), None) | (None, Some(one)) => format!("<div class=\"one\">{one}</div>"),
@@ -29,8 +30,9 @@ pub fn html(facts: &Facts) -> String {
     };
     format!(
         "<section id=\"uncertainty\"><h2>Uncertainty of directions</h2>\n{body}\
-         <p class=\"dim\">What the covariance of the lens implies. It holds if the model fits the \
-         lens, which the residuals show. Dashed: up to where boards reach.</p></section>\n"
+         <p class=\"dim\">What the corners' noise and the pictures' scatter imply for a lens of more \
+         freedom, with its difference from the lens chosen. How far the calibration can be trusted \
+         is read from {which} map. Dashed: up to where boards reach.</p></section>\n"
     )
 }
 

@@ -4,6 +4,7 @@
 mod tests;
 
 use super::coverage::{Coverage, Gap};
+use super::precision::{self, KNOWN_RAD, Ring};
 use crate::Calibration;
 
 /// Held-out residuals up to this many times the in-sample ones are alike: what is left is the
@@ -29,7 +30,8 @@ const MOST_ADVICE: usize = 6;
 pub enum Trust {
     /// Over all that lens and sensor show.
     Whole,
-    /// Up to an angle off axis, rad: beyond, boards are missing in places.
+    /// Up to an angle off axis, rad: beyond, directions are known less well than
+    /// [`KNOWN_RAD`].
     Within(f64),
     /// With care: something is not as it should be.
     Care,
@@ -38,12 +40,15 @@ pub enum Trust {
 }
 
 /// What a verdict rests on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Grounds<'a> {
     /// The calibration.
     pub calibration: &'a Calibration,
     /// Coverage by the corners that took part.
     pub coverage: &'a Coverage,
+    /// Standard errors of directions from the axis to the edge of the field, as the map of
+    /// uncertainty has them.
+    pub rings: Vec<Ring>,
     /// Corners found in all pictures.
     pub corners_seen: usize,
 }
@@ -57,6 +62,8 @@ pub struct Verdict {
     pub sentence: String,
     /// What to do, most important first.
     pub advice: Vec<String>,
+    /// The standard errors of directions that it rests on, from the axis outwards.
+    pub rings: Vec<Ring>,
 }
 
 impl Verdict {
@@ -92,6 +99,7 @@ impl Verdict {
             trust,
             sentence,
             advice,
+            rings: grounds.rings.clone(),
         }
     }
 }
@@ -160,6 +168,15 @@ fn doubts(grounds: &Grounds) -> Vec<String> {
     if share < LEAST_SHARE {
         doubts.push(format!("boards cover {:.0} % of the field", 100.0 * share));
     }
+    if precision::known_rad(&grounds.rings).is_none() {
+        doubts.push(match grounds.rings.first() {
+            Some(ring) => format!(
+                "directions have a standard error of {} already at the axis",
+                angle(ring.worst_rad)
+            ),
+            None => "its corners tell no standard errors of directions".into(),
+        });
+    }
     let gaps = &grounds.coverage.gaps;
     if let Some(Gap::FewPictures { pictures }) = gaps.first() {
         doubts.push(format!("it rests on {pictures} pictures"));
@@ -180,8 +197,9 @@ fn doubts(grounds: &Grounds) -> Vec<String> {
     doubts
 }
 
+/// By the map of uncertainty alone: where boards are missing, that grows.
 fn trusted(grounds: &Grounds) -> (Trust, String) {
-    let (calibration, coverage) = (grounds.calibration, grounds.coverage);
+    let calibration = grounds.calibration;
     let evidence = format!(
         "{} corners in {} pictures reach {:.0} degrees off axis, and pictures held out fit as \
          well as its own",
@@ -189,22 +207,38 @@ fn trusted(grounds: &Grounds) -> (Trust, String) {
         calibration.views_used(),
         calibration.field_rad.to_degrees()
     );
-    let short = coverage.gaps.iter().flat_map(|gap| match gap {
-        Gap::Beyond { directions, .. } => &directions[..],
-        _ => &[],
-    });
-    let reached = short.map(|direction| coverage.reach_rad[*direction as usize]);
-    let Some(all_round) = reached.reduce(f64::min) else {
+    let known_rad = precision::known_rad(&grounds.rings).unwrap_or_default();
+    let known = grounds.rings.iter().filter(|ring| ring.to_rad <= known_rad);
+    let worst_rad = known.map(|ring| ring.worst_rad).fold(0.0, f64::max);
+    let edge = grounds.rings.last().filter(|ring| ring.to_rad > known_rad);
+    let Some(edge) = edge else {
         let whole = "This calibration can be trusted over all that lens and sensor show";
-        return (Trust::Whole, format!("{whole}: {evidence}."));
+        return (
+            Trust::Whole,
+            format!(
+                "{whole}: directions have standard errors of up to {}. {evidence}.",
+                angle(worst_rad)
+            ),
+        );
     };
-    // To 5 degrees down, as gaps are told to 5 degrees up.
-    let within = libm::floor(all_round.to_degrees() / 5.0) * 5.0;
     (
-        Trust::Within(all_round),
+        Trust::Within(known_rad),
         format!(
-            "This calibration can be trusted within {within:.0} degrees of the axis; farther out \
-             it is extrapolated where boards are missing. {evidence}."
+            "This calibration can be trusted within {:.0} degrees of the axis, where directions have \
+             standard errors of up to {}; farther out they exceed {}, and reach {} at {:.0} degrees. \
+             {evidence}.",
+            known_rad.to_degrees(),
+            angle(worst_rad),
+            angle(KNOWN_RAD),
+            angle(edge.worst_rad),
+            edge.to_rad.to_degrees(),
         ),
     )
+}
+
+/// A standard error in words, degrees with two digits that count.
+fn angle(rad: f64) -> String {
+    let degrees = rad.to_degrees();
+    let decimals = (1.0 - libm::floor(libm::log10(degrees))).clamp(0.0, 4.0);
+    format!("{degrees:.*} degrees", decimals as usize)
 }

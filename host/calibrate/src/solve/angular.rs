@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix2, Matrix2xX, Matrix3, Matrix3x2, Matrix3xX, Vector3};
 
+use super::FreerLens;
 use super::lens::{self, Lens};
 use crate::Calibration;
 
@@ -9,25 +10,45 @@ use crate::Calibration;
 const RINGS: u32 = 12;
 const SPOKES: u32 = 24;
 
-/// Uncertainty of rays as the covariance of the lens implies it.
+/// Uncertainty of rays: what noise of the corners, errors that the corners of a view share, and the
+/// lens's model imply.
 ///
 /// Two answers: relative to the **camera's own frame**, whose axis goes through the lens's centre
 /// and whose x axis is the picture's; and **free of rotation**, with the best common rotation of
 /// all rays of the field taken off, as a rig does that finds each eye's rotation by itself. The
 /// second is smaller: a shift of the centre is mostly a rotation.
+///
+/// Free of rotation, the standard error is `sqrt(s^2 + d^2)`. `s` is that of the [freer lens](FreerLens),
+/// the greater of what the corners' noise and the jackknife over views say. `d` is the difference between the rays of
+/// the chosen lens and those of the freer one, as a root mean square round the ring at that angle off
+/// axis, since a difference that crosses zero somewhere is no smaller an error there. In the camera's own
+/// frame, what the chosen lens's covariance says of the common rotation is added.
 #[derive(Debug)]
 pub struct AngularUncertainty {
-    lens: Box<dyn Lens>,
-    p: Vec<f64>,
-    /// Covariance of `p`.
-    covariance: DMatrix<f64>,
-    /// Rotation vector by `p` that fits best over the field.
-    rotation: Matrix3xX<f64>,
+    own: Spread,
+    freer: Option<Spread>,
+    /// By even steps of the angle off axis: mean squares of the differences between both lenses, rad^2,
+    /// free of rotation.
+    differences: Vec<f64>,
+    /// Angle off axis between those, rad.
+    step_rad: f64,
 }
 
 impl AngularUncertainty {
     /// From a calibration; `None` if its model is not one that is calibrated here.
     pub fn new(calibration: &Calibration) -> Option<Self> {
+        let mut uncertainty = Self::of_noise(calibration)?;
+        let field_rad = calibration.field_rad;
+        if let Some(freer) = &calibration.freer {
+            let freer = Spread::of_freer(freer, field_rad);
+            uncertainty.differences = differences(&uncertainty.own, &freer, field_rad);
+            uncertainty.freer = Some(freer);
+        }
+        Some(uncertainty)
+    }
+
+    /// Of the corners' noise alone, if the model fits the lens.
+    pub(super) fn of_noise(calibration: &Calibration) -> Option<Self> {
         let names = calibration.parameters.iter().map(|p| p.name.as_str());
         let (lens, p) = lens::from_camera(&calibration.model, &names.collect::<Vec<_>>())?;
         let factors: Vec<f64> = lens.describe().into_iter().map(|(_, f)| f).collect();
@@ -37,43 +58,110 @@ impl AngularUncertainty {
         let covariance = DMatrix::from_fn(p.len(), p.len(), |a, b| {
             calibration.covariance[(a, b)] / factors[a] / factors[b]
         });
-        let mut uncertainty = Self {
-            rotation: Matrix3xX::zeros(p.len()),
-            lens,
-            p,
-            covariance,
-        };
-        uncertainty.rotation = uncertainty.best_rotation(calibration.field_rad);
-        Some(uncertainty)
+        Some(Self {
+            own: Spread::new(lens, p, vec![covariance], calibration.field_rad),
+            freer: None,
+            differences: Vec::new(),
+            step_rad: calibration.field_rad / f64::from(RINGS),
+        })
     }
 
     /// Root mean square angle between the estimated and the true ray through `pixel`, both in the
     /// camera's own frame, rad; `None` outside the image.
     pub fn sigma_rad(&self, pixel: [f64; 2]) -> Option<f64> {
-        let ray = self.lens.unproject(&self.p, pixel)?;
-        let (_, by_lens) = self.ray_by_lens(&ray)?;
-        Some(self.spread(&by_lens))
+        let (ray, own) = self.own_variances(pixel)?;
+        // The frame is the chosen lens's: a freer one's centre is another convention.
+        let turn = (own[0] - own[1]).max(0.0);
+        Some((turn + self.rotation_free_variance(&ray, own[1])).sqrt())
     }
 
     /// The same with the best common rotation of the whole field taken off, rad.
     pub fn rotation_free_sigma_rad(&self, pixel: [f64; 2]) -> Option<f64> {
-        let ray = self.lens.unproject(&self.p, pixel)?.normalize();
+        let (ray, own) = self.own_variances(pixel)?;
+        Some(self.rotation_free_variance(&ray, own[1]).sqrt())
+    }
+
+    /// Ray through a pixel, and its [`Spread::variances`] by the chosen lens.
+    fn own_variances(&self, pixel: [f64; 2]) -> Option<(Vector3<f64>, [f64; 2])> {
+        let ray = self.own.lens.unproject(&self.own.p, pixel)?;
+        Some((ray, self.own.variances(&ray)?))
+    }
+
+    /// Of a ray whose variance is `own` by the chosen lens, rad^2.
+    fn rotation_free_variance(&self, ray: &Vector3<f64>, own: f64) -> f64 {
+        let freer = self.freer.as_ref().and_then(|freer| freer.variances(ray));
+        let free = freer.map_or(own, |free| own.max(free[1]));
+        let angle = libm::atan2(libm::hypot(ray.x, ray.y), ray.z);
+        free + self.difference(angle)
+    }
+
+    /// Mean square of the difference at an angle off axis, rad^2: in line between the rings, that of the
+    /// innermost and the outermost one within and beyond.
+    fn difference(&self, angle: f64) -> f64 {
+        let place = (angle / self.step_rad - 0.5).max(0.0);
+        let last = self.differences.len().saturating_sub(1);
+        let at = |k: usize| self.differences.get(k.min(last)).copied().unwrap_or(0.0);
+        let from = place as usize;
+        let share = place - from as f64;
+        at(from) * (1.0 - share) + at(from + 1) * share
+    }
+}
+
+/// A lens with its covariances.
+#[derive(Debug)]
+struct Spread {
+    lens: Box<dyn Lens>,
+    p: Vec<f64>,
+    /// Covariances of `p`; the greater one holds for each ray.
+    covariances: Vec<DMatrix<f64>>,
+    /// Rotation vector by `p` that fits best over the field.
+    rotation: Matrix3xX<f64>,
+}
+
+impl Spread {
+    fn new(
+        lens: Box<dyn Lens>,
+        p: Vec<f64>,
+        covariances: Vec<DMatrix<f64>>,
+        field_rad: f64,
+    ) -> Self {
+        let mut spread = Self {
+            rotation: Matrix3xX::zeros(p.len()),
+            lens,
+            p,
+            covariances,
+        };
+        spread.rotation = spread.best_rotation(field_rad);
+        spread
+    }
+
+    fn of_freer(freer: &FreerLens, field_rad: f64) -> Self {
+        Self::new(
+            Box::new(freer.lens()),
+            freer.parameters().to_vec(),
+            freer.covariances().cloned().collect(),
+            field_rad,
+        )
+    }
+
+    /// Mean squares of the angle to the true ray, rad^2, in the camera's own frame and free of rotation.
+    fn variances(&self, ray: &Vector3<f64>) -> Option<[f64; 2]> {
+        let ray = ray.try_normalize(0.0)?;
         let (plane, by_lens) = self.ray_by_lens(&ray)?;
         // A rotation w moves the ray by w x ray.
         let turned = plane.transpose() * -ray.cross_matrix() * &self.rotation;
-        Some(self.spread(&(by_lens - turned)))
-    }
-
-    fn spread(&self, by_lens: &Matrix2xX<f64>) -> f64 {
-        let covariance = by_lens * &self.covariance * by_lens.transpose();
-        covariance.trace().max(0.0).sqrt()
+        let free = &by_lens - turned;
+        Some([by_lens, free].map(|by_lens| {
+            let of =
+                |covariance: &DMatrix<f64>| (&by_lens * covariance * by_lens.transpose()).trace();
+            self.covariances.iter().map(of).fold(0.0, f64::max)
+        }))
     }
 
     /// Two directions perpendicular to the ray and how far a fixed pixel's ray moves along them,
     /// rad, by the lens's parameters.
     fn ray_by_lens(&self, ray: &Vector3<f64>) -> Option<(Matrix3x2<f64>, Matrix2xX<f64>)> {
-        let ray = ray.try_normalize(0.0)?;
-        let seen = self.lens.project(&self.p, &ray)?;
+        let seen = self.lens.project(&self.p, ray)?;
         let aside = if ray.x.abs() < 0.8 {
             Vector3::x()
         } else {
@@ -93,23 +181,60 @@ impl AngularUncertainty {
     fn best_rotation(&self, field_rad: f64) -> Matrix3xX<f64> {
         let mut normal = Matrix3::zeros();
         let mut right = Matrix3xX::zeros(self.p.len());
-        for ring in 1..=RINGS {
-            let theta = field_rad * (f64::from(ring) - 0.5) / f64::from(RINGS);
-            let (sin, cos) = (libm::sin(theta), libm::cos(theta));
-            for spoke in 0..SPOKES {
-                let azimuth = std::f64::consts::TAU * f64::from(spoke) / f64::from(SPOKES);
-                let ray = Vector3::new(sin * libm::cos(azimuth), sin * libm::sin(azimuth), cos);
-                let Some((plane, by_lens)) = self.ray_by_lens(&ray) else {
-                    continue;
-                };
-                let by_rotation = plane.transpose() * -ray.cross_matrix();
-                normal += by_rotation.transpose() * by_rotation * sin;
-                right += by_rotation.transpose() * by_lens * sin;
-            }
+        for (ray, area) in rays(field_rad) {
+            let Some((plane, by_lens)) = self.ray_by_lens(&ray) else {
+                continue;
+            };
+            let by_rotation = plane.transpose() * -ray.cross_matrix();
+            normal += by_rotation.transpose() * by_rotation * area;
+            right += by_rotation.transpose() * by_lens * area;
         }
         match normal.try_inverse() {
             Some(inverse) => inverse * right,
             None => Matrix3xX::zeros(self.p.len()),
         }
     }
+}
+
+/// Rays of the field, ring by ring, with what each weighs as the solid angle it stands for.
+fn rays(field_rad: f64) -> impl Iterator<Item = (Vector3<f64>, f64)> {
+    (0..RINGS * SPOKES).map(move |index| {
+        let theta = field_rad * (f64::from(index / SPOKES) + 0.5) / f64::from(RINGS);
+        let azimuth = std::f64::consts::TAU * f64::from(index % SPOKES) / f64::from(SPOKES);
+        let (sin, cos) = (libm::sin(theta), libm::cos(theta));
+        let ray = Vector3::new(sin * libm::cos(azimuth), sin * libm::sin(azimuth), cos);
+        (ray, sin)
+    })
+}
+
+/// Mean squares round each ring of the difference between the rays of two lenses, rad^2, the best rotation
+/// between both taken off.
+fn differences(own: &Spread, freer: &Spread, field_rad: f64) -> Vec<f64> {
+    let all: Vec<(Vector3<f64>, f64)> = rays(field_rad).collect();
+    let moved: Vec<Option<Vector3<f64>>> = all
+        .iter()
+        .map(|(ray, _)| {
+            let pixel = own.lens.project(&own.p, ray)?.pixel;
+            let other = freer.lens.unproject(&freer.p, pixel.into())?;
+            Some(other.try_normalize(0.0)? - ray)
+        })
+        .collect();
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for ((ray, area), moved) in all.iter().zip(&moved) {
+        let Some(moved) = moved else { continue };
+        let by_rotation = -ray.cross_matrix();
+        normal += by_rotation.transpose() * by_rotation * *area;
+        right += by_rotation.transpose() * moved * *area;
+    }
+    let turn = normal.try_inverse().map_or(Vector3::zeros(), |n| n * right);
+    let apart = all.iter().zip(&moved).map(|((ray, _), moved)| {
+        let moved = (*moved)?;
+        Some((moved - turn.cross(ray)).norm_squared())
+    });
+    let apart: Vec<Option<f64>> = apart.collect();
+    let ring = |ring: &[Option<f64>]| {
+        let seen: Vec<f64> = ring.iter().flatten().copied().collect();
+        seen.iter().sum::<f64>() / seen.len().max(1) as f64
+    };
+    apart.chunks(SPOKES as usize).map(ring).collect()
 }

@@ -334,6 +334,29 @@ impl Bundle<'_> {
             inverse[(a, b)] * scale[a] * scale[b]
         }))
     }
+
+    /// Covariance of the lens by the jackknife over views (Efron 1981): the scatter of what each view's
+    /// absence does to it, to first order. Errors that the corners of a view share count in full, where
+    /// [`Bundle::cofactors`] takes each corner's for its own. A free shape of the board follows. `None`
+    /// where a view cannot be spared.
+    pub fn jackknife(&self, state: &State) -> Option<DMatrix<f64>> {
+        let n = self.globals(&state.lens);
+        let (mut normal, mut views) = (DMatrix::zeros(n, n), Vec::new());
+        for block in self.blocks(state) {
+            let carried = &block.mixed * block.pose.cholesky()?.inverse();
+            let own = &block.lens - &carried * block.mixed.transpose();
+            let gradient = &block.lens_gradient - &carried * block.pose_gradient;
+            normal += &own;
+            views.push((own, gradient));
+        }
+        let mut covariance = DMatrix::zeros(n, n);
+        for (own, gradient) in &views {
+            let step = solve_scaled(&(&normal - own), gradient)?;
+            covariance += &step * step.transpose();
+        }
+        let count = views.len() as f64;
+        Some(covariance * ((count - 1.0) / count))
+    }
 }
 
 /// Factors that make the diagonal 1.

@@ -7,7 +7,7 @@ use super::choice::Candidate;
 use super::fit::{Fit, MIN_CORNERS, Part, square_sum};
 use super::lens::Lens;
 use super::sight::Sight;
-use super::{AngularUncertainty, CalibrateError, Problem, check, pose};
+use super::{AngularUncertainty, CalibrateError, FreerLens, Problem, check, pose};
 use crate::Calibration;
 use crate::board_shape::{BoardShape, Terms};
 use crate::calibration::{CornerFit, ModelScore, Parameter, Rejection, ViewFit};
@@ -26,8 +26,8 @@ const PARALLEL_RAD: f64 = 0.1;
 pub fn calibration(
     problem: &Problem,
     sights: Vec<Sight>,
-    candidates: &[Candidate<'_>],
-    chosen: usize,
+    (candidates, chosen): (&[Candidate<'_>], usize),
+    freer: Option<FreerLens>,
 ) -> Result<Calibration, CalibrateError> {
     let candidate = &candidates[chosen];
     let (Some(fit), Ok(model)) = (&candidate.fit, &candidate.camera) else {
@@ -56,6 +56,7 @@ pub fn calibration(
         field_rad: field_rad(lens, fit),
         parameters: parameters.collect(),
         covariance,
+        freer,
         scores: scores.collect(),
         board_shape: is_shaped(fit).then(|| {
             BoardShape::from_terms(&fit.shape, problem.board.size, problem.board.square_mm)
@@ -72,7 +73,7 @@ pub fn calibration(
 /// Standard error of directions over their angle off axis, as root mean squares over the corners in
 /// use, the best common rotation taken off.
 fn relative_error(calibration: &Calibration, sights: &[Sight]) -> Option<f64> {
-    let uncertainty = AngularUncertainty::new(calibration)?;
+    let uncertainty = AngularUncertainty::of_noise(calibration)?;
     let (mut errors, mut angles) = (0.0, 0.0);
     for target in sights.iter().flat_map(Sight::used) {
         let pixel = target.pixel.into();

@@ -12,6 +12,7 @@ mod choice;
 mod error;
 mod finish;
 mod fit;
+mod freer;
 mod lens;
 mod linear;
 mod pose;
@@ -27,6 +28,7 @@ pub use angular::AngularUncertainty;
 pub use board_pose::{board_pose, board_pose_in};
 pub use error::CalibrateError;
 use fit::{Fit, MIN_CORNERS, Part};
+pub use freer::FreerLens;
 use lens::{DoubleSphereLens, KannalaBrandtLens, Lens, OcamLens};
 use sight::Sight;
 
@@ -151,7 +153,12 @@ pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, Ca
     let Some(chosen) = choice::choose(&candidates, options.model) else {
         return Err(no_model(&candidates));
     };
-    finish::calibration(problem, sights, &candidates, chosen)
+    let degree = match candidates[chosen].lens.degree() {
+        0 => best.map_or(0, |best| candidates[best].lens.degree()),
+        degree => degree,
+    };
+    let freer = FreerLens::new(&lens, &base, degree);
+    finish::calibration(problem, sights, (&candidates, chosen), freer)
 }
 
 /// Why each candidate is refused.

@@ -5,6 +5,7 @@ mod kannala_brandt;
 mod ocam;
 #[cfg(test)]
 mod tests;
+mod tilted;
 
 use std::fmt;
 
@@ -15,9 +16,10 @@ use tectum_optics::camera::ParameterError;
 pub use double_sphere::DoubleSphereLens;
 pub use kannala_brandt::KannalaBrandtLens;
 pub use ocam::OcamLens;
+pub use tilted::TiltedLens;
 
 /// Most parameters that a lens can have, with the terms of a board's shape.
-pub const MAX_PARAMETERS: usize = 17 + crate::board_shape::TERMS;
+pub const MAX_PARAMETERS: usize = 19 + crate::board_shape::TERMS;
 
 /// Sort of a family: among polynomials of one sort only the degree differs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

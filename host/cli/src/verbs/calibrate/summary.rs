@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 use tectum_calibrate::ViewFit;
+use tectum_calibrate::report::precision::Ring;
 use tectum_calibrate::report::verdict::Verdict;
 
 use super::{Args, CalibratedShots, outputs};
@@ -54,6 +55,9 @@ fn text(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> String {
     );
     if let Some(shape) = &calibration.board_shape {
         let _ = writeln!(text, "board      {shape}");
+    }
+    if !verdict.rings.is_empty() {
+        let _ = writeln!(text, "directions {}", directions(&verdict.rings));
     }
     let _ = writeln!(
         text,
@@ -135,6 +139,23 @@ fn text(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> String {
     text
 }
 
+/// Standard errors of directions in every third ring of 5 degrees, and in the last one.
+fn directions(rings: &[Ring]) -> String {
+    let last = rings.len() - 1;
+    let told = rings.iter().enumerate();
+    let told = told.filter(|(index, _)| index % 3 == 2 || *index == last);
+    let told: Vec<String> = told
+        .map(|(_, ring)| {
+            format!(
+                "{:.3} at {:.0}",
+                ring.rms_rad.to_degrees(),
+                ring.to_rad.to_degrees()
+            )
+        })
+        .collect();
+    format!("standard errors, degrees: {} off axis", told.join(", "))
+}
+
 /// Corners of a view that are outliers, by index, and how far off they are, px.
 fn dropped(fit: &ViewFit) -> impl Iterator<Item = (usize, f64)> {
     let corners = fit.corners.iter().enumerate();
@@ -195,6 +216,18 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         .iter()
         .map(|p| json!({ "name": p.name, "value": p.value, "standard_error": p.standard_error }))
         .collect();
+    let directions: Vec<Value> = verdict
+        .rings
+        .iter()
+        .map(|ring| {
+            json!({
+                "from_deg": ring.from_rad.to_degrees(),
+                "to_deg": ring.to_rad.to_degrees(),
+                "standard_error_deg": ring.rms_rad.to_degrees(),
+                "worst_standard_error_deg": ring.worst_rad.to_degrees(),
+            })
+        })
+        .collect();
     let scores: Vec<Value> = calibration
         .scores
         .iter()
@@ -232,6 +265,7 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         "skipped": detecting::skipped_json(&shots.detections),
         "resumed": resumed.iter().filter(|(_, detected)| detected.resumed).count(),
         "session": shots.folder,
+        "directions": directions,
         "verdict": verdict.sentence,
         "advice": verdict.advice,
         "files": paths_json(args.outputs()),
