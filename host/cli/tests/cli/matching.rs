@@ -96,9 +96,9 @@ fn what_cannot_be_matched_is_refused() {
     for (code, arguments, says) in [
         (2, "match rig.toml --left left.png", "--right"),
         (
-            2,
+            1,
             "match rig.toml --left left.png left.png --right right.png",
-            "in pairs",
+            "belong together",
         ),
         (
             2,

@@ -71,16 +71,16 @@ pub enum RegistrationError {
     },
     /// Natural features fit a pose, but not the rig's baseline.
     #[error(
-        "the matches fit a pose to {found_deg:.2} degrees, but with the rig's baseline of \
-         {baseline_mm:.1} mm they miss by {rms_deg:.2} degrees RMS: the eyes are not where the rig has \
-         them; measure how far apart the lenses are, and which way (mount.lateral_mm, or each pose's \
+        "{matches} matches agree on how the eyes stand to one another, but the rig's baseline of \
+         {baseline_mm:.1} mm explains the parallax of only {explained}: the eyes are not where the rig \
+         has them; measure how far apart the lenses are, and which way (mount.lateral_mm, or each pose's \
          position_mm)"
     )]
     Baseline {
-        /// Residual with the rig's baseline, degrees RMS.
-        rms_deg: f64,
-        /// Residual of the pose found, degrees RMS.
-        found_deg: f64,
+        /// Matches that the rig's baseline explains.
+        explained: usize,
+        /// Matches that agree on a pose.
+        matches: usize,
         /// The rig's baseline, mm.
         baseline_mm: f64,
     },

@@ -9,9 +9,9 @@ use super::{Options, Registration, RegistrationError, rotations};
 use crate::Eyes;
 use crate::epipolar::{Baseline, Markerless};
 
-/// Residual up to which a rig explains its matches, degrees RMS: twice what a match may miss its
-/// epipolar plane by.
-const MOST_RESIDUAL_DEG: f64 = 0.8;
+/// Residual up to which the rig explains a match, rad: twice what one may miss its epipolar plane by.
+/// Wrong matches that lie in the plane by chance ask for a parallax that no range has.
+const MOST_RESIDUAL_RAD: f64 = 0.8 * std::f64::consts::PI / 180.0;
 
 /// The rig with its eyes turned, half each, until they stand to one another as `found` says. The
 /// baseline keeps its length, which no picture tells, and its middle; it takes the direction found
@@ -48,7 +48,9 @@ pub fn register_pose(
     let mut registration = Registration {
         inliers: ties
             .iter()
-            .map(|tie| angle_rad(&mount, tie, &look).is_some())
+            .map(|tie| {
+                angle_rad(&mount, tie, &look).is_some_and(|angle| angle <= MOST_RESIDUAL_RAD)
+            })
             .collect(),
         residuals_deg: Vec::new(),
         shots: Vec::new(),
@@ -63,10 +65,15 @@ pub fn register_pose(
         rig: corrected.clone(),
     };
     registration.measure(&mount, &ties, &look);
-    if registration.rms_deg > MOST_RESIDUAL_DEG {
+    let explained = registration
+        .inliers
+        .iter()
+        .filter(|agrees| **agrees)
+        .count();
+    if 2 * explained < ties.len() {
         return Err(RegistrationError::Baseline {
-            rms_deg: registration.rms_deg,
-            found_deg: found.rms_rad.to_degrees(),
+            explained,
+            matches: ties.len(),
             baseline_mm: baseline_m * 1e3,
         });
     }
