@@ -77,22 +77,7 @@ pub fn detect(
     options: &MarkerOptions,
 ) -> Vec<MarkerView> {
     let plane = Plane::new(picture);
-    let mut found: Vec<Found> = Vec::new();
-    for outline in candidates::outlines(picture, options.min_side_px) {
-        for corners in split::corners(&outline, options.min_side_px) {
-            if found.iter().any(|marker| marker.is_at(&corners)) {
-                continue;
-            }
-            let Some(quad) = Quad::refined(&plane, &outline, corners, dictionary.side() + 2) else {
-                continue;
-            };
-            let Some(reading) = Cells::read(&plane, &quad, dictionary, options) else {
-                continue;
-            };
-            found.push(Found { quad, reading });
-        }
-    }
-    let found = distinct(found);
+    let found = read(picture, &plane, dictionary, options);
     let print = |marker: &Found| fit::print(&plane, &marker.quad, &marker.reading);
     let prints: Vec<Option<Print>> = found.par_iter().map(print).collect();
     let coded = usual_tone(&prints).map(|tone| plane.coded(tone));
@@ -103,6 +88,31 @@ pub fn detect(
         .collect();
     views.sort_by_key(|marker| marker.id);
     views
+}
+
+/// The markers that read as one of the dictionary's, with their corners to a pixel or so.
+fn read(
+    picture: &GrayImage,
+    plane: &Plane,
+    dictionary: &Dictionary,
+    options: &MarkerOptions,
+) -> Vec<Found> {
+    let mut found: Vec<Found> = Vec::new();
+    for outline in candidates::outlines(picture, options.min_side_px) {
+        for corners in split::corners(&outline, options.min_side_px) {
+            if found.iter().any(|marker| marker.is_at(&corners)) {
+                continue;
+            }
+            let Some(quad) = Quad::refined(plane, &outline, corners, dictionary.side() + 2) else {
+                continue;
+            };
+            let Some(reading) = Cells::read(plane, &quad, dictionary, options) else {
+                continue;
+            };
+            found.push(Found { quad, reading });
+        }
+    }
+    distinct(found)
 }
 
 /// How the picture codes light, as the marker in the middle has it.
@@ -117,7 +127,9 @@ fn usual_tone(prints: &[Option<Print>]) -> Option<Tone> {
 /// round are told from mirrored ones by nothing.
 pub fn is_mirrored(picture: &GrayImage, dictionary: &Dictionary, options: &MarkerOptions) -> bool {
     let mirrored = imageops::flip_horizontal(picture);
-    detect(picture, dictionary, options).len() < detect(&mirrored, dictionary, options).len()
+    let [as_it_is, mirrored] = [picture, &mirrored]
+        .map(|picture| read(picture, &Plane::new(picture), dictionary, options).len());
+    as_it_is < mirrored
 }
 
 /// A print's corner is where the edges meet to within this, px, and as much a pixel of blur.
