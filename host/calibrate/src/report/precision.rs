@@ -44,7 +44,9 @@ pub fn rings(eye: &Eye, limit_rad: f64, sigma_rad: &AngularSigma) -> Vec<Ring> {
                 let (sin, cos) = (libm::sin(theta), libm::cos(theta));
                 let ray = Vector3::new(sin * libm::cos(azimuth), sin * libm::sin(azimuth), cos);
                 let pixel = eye.project(&ray).ok()?;
-                sigma_rad(pixel).filter(|sigma| sigma.is_finite())
+                // What the map has no error for is not known.
+                let sigma = sigma_rad(pixel).filter(|sigma| sigma.is_finite());
+                Some(sigma.unwrap_or(f64::INFINITY))
             })
             .collect();
         let squares: f64 = sigmas.iter().map(|sigma| sigma * sigma).sum();

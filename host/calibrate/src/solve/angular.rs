@@ -98,12 +98,14 @@ impl AngularUncertainty {
     /// Mean square of the difference at an angle off axis, rad^2: in line between the rings, that of the
     /// innermost and the outermost one within and beyond.
     fn difference(&self, angle: f64) -> f64 {
-        let place = (angle / self.step_rad - 0.5).max(0.0);
-        let last = self.differences.len().saturating_sub(1);
-        let at = |k: usize| self.differences.get(k.min(last)).copied().unwrap_or(0.0);
+        let Some(last) = self.differences.len().checked_sub(1) else {
+            return 0.0;
+        };
+        let place = (angle / self.step_rad - 0.5).clamp(0.0, last as f64);
         let from = place as usize;
         let share = place - from as f64;
-        at(from) * (1.0 - share) + at(from + 1) * share
+        let [a, b] = [from, (from + 1).min(last)].map(|k| self.differences[k]);
+        a * (1.0 - share) + b * share
     }
 }
 
@@ -232,9 +234,14 @@ fn differences(own: &Spread, freer: &Spread, field_rad: f64) -> Vec<f64> {
         Some((moved - turn.cross(ray)).norm_squared())
     });
     let apart: Vec<Option<f64>> = apart.collect();
+    // Where the freer lens has no ray the next ring further in holds: nothing is known of the difference.
+    let mut known = 0.0;
     let ring = |ring: &[Option<f64>]| {
         let seen: Vec<f64> = ring.iter().flatten().copied().collect();
-        seen.iter().sum::<f64>() / seen.len().max(1) as f64
+        if !seen.is_empty() {
+            known = seen.iter().sum::<f64>() / seen.len() as f64;
+        }
+        known
     };
     apart.chunks(SPOKES as usize).map(ring).collect()
 }

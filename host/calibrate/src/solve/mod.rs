@@ -154,7 +154,7 @@ pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, Ca
         return Err(no_model(&candidates));
     };
     let degree = match candidates[chosen].lens.degree() {
-        0 => best.map_or(0, |best| candidates[best].lens.degree()),
+        0 => best.map_or(CLEANING.0, |best| candidates[best].lens.degree()),
         degree => degree,
     };
     let freer = FreerLens::new(&lens, &base, degree);

@@ -15,7 +15,7 @@ use crate::report::{Report, max_rms};
 use crate::{files, instructions};
 
 /// Memory that baking takes for each output pixel: 21 bytes at 8192x4096, 8 more where a mesh is polished,
-/// and a little to spare.
+/// and a little to spare. Pictures in which most pixels show both eyes take up to 48.
 const BYTES_PER_PIXEL: usize = 32;
 
 /// A rig to a table, with its cost sheet

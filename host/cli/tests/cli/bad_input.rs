@@ -264,7 +264,7 @@ fn an_output_larger_than_memory_is_refused() {
 fn a_large_output_is_baked_in_little_memory() {
     let bench = Bench::new();
     let script = format!(
-        "ulimit -v 500000; exec '{}' bake rig.toml -o out.tct --size 3072x1536",
+        "ulimit -v 500000; export MALLOC_ARENA_MAX=1 RAYON_NUM_THREADS=2; exec '{}' bake rig.toml -o out.tct --size 3072x1536",
         env!("CARGO_BIN_EXE_tectum")
     );
     let output = bench.command("sh").args(["-c", &script]).output().unwrap();

@@ -1,5 +1,7 @@
 //! Whether a pose found tells more than the rig's own, by matches that took no part in it.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 use tectum_optics::vector_of_rotation;
@@ -15,7 +17,8 @@ const SECTORS: usize = 4;
 /// How far matches that took no part miss the pose found from all others, and the rig's.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HeldOut {
-    /// Median miss of the rig's own pose, degrees; infinite where it explains less than half.
+    /// Median miss of the rig's own pose, degrees; infinite (`null` in JSON) where it explains less than
+    /// half, as matches behind an eye count.
     pub rig_deg: f64,
     /// The same of the pose found from the other parts.
     pub found_deg: f64,
@@ -30,7 +33,7 @@ impl HeldOut {
 
 /// What leaving out one part after another shows.
 pub(super) struct Parts {
-    /// `None` where a part cannot do without the others.
+    /// The judgement; `None` where no match agrees with either pose.
     pub(super) held_out: Option<HeldOut>,
     /// Covariance of the rotation by the scatter of the poses without one shot each (delete-one
     /// jackknife: Efron 1982), rad^2; zero with few shots.
@@ -38,32 +41,27 @@ pub(super) struct Parts {
 }
 
 /// Leaves out one part of the matches after another. `pose` is made of all of them, `own` is the rig's.
+/// `None` where one part cannot be spared: the pose then rests on it alone.
 pub(super) fn parts(
     matches: &[(Correspondence, RayPair)],
     pose: &RelativePose,
     own: &RelativePose,
     cut_rad: f64,
-) -> Parts {
-    let shots = matches.iter().map(|(c, _)| c.shot + 1).max().unwrap_or(0);
-    let by_shot = shots >= LEAST_SHOTS;
-    let count = if by_shot { shots } else { SECTORS };
+) -> Option<Parts> {
+    let shots: BTreeSet<usize> = matches.iter().map(|(c, _)| c.shot).collect();
+    let by_shot = shots.len() >= LEAST_SHOTS;
     let part = |(c, pair): &(Correspondence, RayPair)| match by_shot {
         true => c.shot,
         false => sector(&pair.left),
     };
+    let all: BTreeSet<usize> = matches.iter().map(part).collect();
     let mut misses = [Vec::new(), Vec::new()];
     let mut turns = Vec::new();
-    for left_out in 0..count {
+    for left_out in all {
         let (held, others): (Vec<_>, Vec<_>) =
             matches.iter().copied().partition(|m| part(m) == left_out);
         let others: Vec<RayPair> = others.into_iter().map(|(_, pair)| pair).collect();
-        let Some(without) = refine(&others, pose, cut_rad) else {
-            return Parts {
-                held_out: None,
-                between_shots: Matrix3::zeros(),
-            };
-        };
-        let without = without.pose;
+        let without = refine(&others, pose, cut_rad)?.pose;
         turns.push(vector_of_rotation(
             &(without.rotation * pose.rotation.inverse()),
         ));
@@ -76,14 +74,15 @@ pub(super) fn parts(
             }
         }
     }
+    let is_judged = !misses[0].is_empty();
     let [rig_deg, found_deg] = misses.map(|misses| median(misses).to_degrees());
-    Parts {
-        held_out: Some(HeldOut { rig_deg, found_deg }),
+    Some(Parts {
+        held_out: is_judged.then_some(HeldOut { rig_deg, found_deg }),
         between_shots: match by_shot {
             true => jackknife(&turns),
             false => Matrix3::zeros(),
         },
-    }
+    })
 }
 
 fn sector(ray: &Vector3<f64>) -> usize {

@@ -6,7 +6,8 @@
 //! a smooth field of directions: `C = s^2 I + a^2 K`, `K` falling off with the angle between the rays
 //! (as in generalised least squares with two components of variance: Searle, Casella & McCulloch 1992,
 //! Sec. 5). Both are estimated from the residuals, whose own fitting of the pose is taken into
-//! account (the projection `M` below), and give the covariance `H^-1 J' W C W J H^-1`.
+//! account (the projection `M` below), and give the covariance `H^-1 J' W C W J H^-1`. Its second part
+//! is added to what the matches' own scatter leaves, which holds a little of the faults already.
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2, Vector3};
 
@@ -45,7 +46,7 @@ impl<const N: usize> Row<N> {
 /// `None` if the rows do not fix the pose.
 pub(super) fn covariance<const N: usize>(rows: &[Row<N>]) -> Option<SMatrix<f64, N, N>> {
     // Odd, so that of a match's two rows now one and now the other is taken.
-    let every = rows.len().div_ceil(MAX_ROWS).max(1) | 1;
+    let every = rows.len().div_ceil(MAX_ROWS) | 1;
     let rows: Vec<Row<N>> = rows.iter().step_by(every).copied().collect();
     let count = rows.len();
     let alike = DMatrix::from_fn(count, count, |i, j| rows[i].alike(&rows[j]));

@@ -63,8 +63,8 @@ pub struct Markerless {
     pub rms_rad: f64,
     /// How far the rotation is from the rig's, rad.
     pub turned_rad: f64,
-    /// How well the pose predicts matches that took no part in it, beside the rig's own; `None` where
-    /// there are too few matches to leave some out.
+    /// How well the pose predicts matches that took no part in its refinement, beside the rig's own.
+    /// Those that [`markerless`] finds along the planes of a first pose favour that one a little.
     pub held_out: Option<HeldOut>,
 }
 
@@ -268,7 +268,8 @@ fn finish(
         .filter_map(|c| Some((*c, RayPair::new(eyes, c)?)));
     let with_rays: Vec<(Correspondence, RayPair)> = with_rays.collect();
     let rig_pose = RelativePose::of(eyes);
-    let parts = parts(&with_rays, &fine.pose, &rig_pose, options.cut_rad());
+    let parts = parts(&with_rays, &fine.pose, &rig_pose, options.cut_rad())
+        .ok_or(options.uncertain(f64::INFINITY))?;
     let fine = fine
         .believed(
             &pairs(eyes, &matches),

@@ -24,7 +24,14 @@ impl Refined {
     fn new(pose: RelativePose, covariance: &Matrix5<f64>) -> Self {
         let rotation = covariance.fixed_view::<3, 3>(0, 0).into_owned();
         let baseline = covariance.fixed_view::<2, 2>(3, 3).into_owned();
-        let root = |square: f64| libm::sqrt(square.max(0.0));
+        // What is not a number stays so.
+        let root = |square: f64| {
+            if square < 0.0 {
+                0.0
+            } else {
+                libm::sqrt(square)
+            }
+        };
         Self {
             pose,
             rotation_standard_error_rad: rotation.diagonal().map(root),

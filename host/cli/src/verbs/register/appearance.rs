@@ -71,12 +71,12 @@ impl Appearance {
         Ok(found)
     }
 
-    /// Where the seam stays bad.
+    /// Warns where both eyes' pictures still differ along the seam.
     fn warn_of(&mut self, summary: &AlignSummary) {
         if summary.ssim_after < LEAST_SSIM {
             self.warnings.push(format!(
-                "Along the seam both eyes' pictures are alike by an SSIM of {:.2} only, at least \
-                 {LEAST_SSIM} is usual: are the pictures of the same instant, the poses right \
+                "The SSIM of both eyes' pictures along the seam is {:.2} only, right poses give 0.75 or \
+                 more: are the pictures of the same instant, the poses right \
                  (register by boards, or without --keep-poses), and is the scene as far away as the stitch \
                  distance (--distance auto)?",
                 summary.ssim_after

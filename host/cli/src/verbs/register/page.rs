@@ -111,13 +111,15 @@ fn figures(done: &Done) -> Vec<Figure> {
             "reprojection",
             "RMS".into(),
         );
+        let is_kept = found.held_out.is_some_and(|held_out| !held_out.improves());
+        let sure = found.turn_standard_error_deg;
         add(
             format!("{:.3}°", found.turn_deg),
             "turned",
-            format!(
-                "against each other, ± {:.3}°",
-                found.turn_standard_error_deg
-            ),
+            match is_kept {
+                true => format!("kept; a turn found would be sure to ± {sure:.3}°"),
+                false => format!("against each other, ± {sure:.3}°"),
+            },
         );
     }
     add(

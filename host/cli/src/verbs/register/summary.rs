@@ -121,11 +121,15 @@ fn poses(done: &Done, text: &mut String) {
             true => "the poses found are taken",
             false => "the rig's poses are kept",
         };
+        let rig = match held_out.rig_deg.is_finite() {
+            true => format!("the rig's by {:.3}", held_out.rig_deg),
+            false => "the rig's explain less than half of them".to_owned(),
+        };
         let _ = writeln!(
             text,
             "held out   matches that took no part miss the poses found from the others by {:.3} degrees \
-             (median), the rig's by {:.3}: {verdict}",
-            held_out.found_deg, held_out.rig_deg
+             (median), {rig}: {verdict}",
+            held_out.found_deg
         );
     }
 }
