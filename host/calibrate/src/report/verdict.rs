@@ -169,7 +169,8 @@ fn doubts(grounds: &Grounds) -> Vec<String> {
         doubts.push(format!("boards cover {:.0} % of the field", 100.0 * share));
     }
     if precision::known_rad(&grounds.rings).is_none() {
-        doubts.push(match grounds.rings.first() {
+        let first = grounds.rings.first();
+        doubts.push(match first.filter(|ring| ring.worst_rad.is_finite()) {
             Some(ring) => format!(
                 "directions have a standard error of {} already at the axis",
                 angle(ring.worst_rad)
@@ -238,6 +239,9 @@ fn trusted(grounds: &Grounds) -> (Trust, String) {
 
 /// A standard error in words, degrees with two digits that count.
 fn angle(rad: f64) -> String {
+    if !rad.is_finite() {
+        return "an unknown angle".into();
+    }
     let degrees = rad.to_degrees();
     let decimals = (1.0 - libm::floor(libm::log10(degrees))).clamp(0.0, 4.0);
     format!("{degrees:.*} degrees", decimals as usize)

@@ -19,9 +19,9 @@ const SPOKES: u32 = 24;
 /// second is smaller: a shift of the centre is mostly a rotation.
 ///
 /// Free of rotation, the standard error is `sqrt(s^2 + d^2)`. `s` is that of the [freer lens](FreerLens),
-/// the greater of what the corners' noise and the jackknife over views say. `d` is the difference between the rays of
-/// the chosen lens and those of the freer one, as a root mean square round the ring at that angle off
-/// axis, since a difference that crosses zero somewhere is no smaller an error there. In the camera's own
+/// the greater of what the corners' noise and the jackknife over views say. `d` is the difference between
+/// the rays of the chosen lens and those of the freer one, as a root mean square round the ring at that
+/// angle off axis, since a difference that crosses zero somewhere is no smaller an error there. In the camera's own
 /// frame, what the chosen lens's covariance says of the common rotation is added.
 #[derive(Debug)]
 pub struct AngularUncertainty {

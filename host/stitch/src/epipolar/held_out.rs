@@ -7,10 +7,9 @@ use serde::Serialize;
 use tectum_optics::vector_of_rotation;
 
 use super::{RayPair, RelativePose, refine};
-use crate::Correspondence;
 
 /// Shots from which on each shot is a part of its own; with fewer, parts are sectors of the picture.
-const LEAST_SHOTS: usize = 3;
+const MIN_SHOTS: usize = 3;
 /// Sectors about the left eye's optical axis.
 const SECTORS: usize = 4;
 
@@ -40,34 +39,36 @@ pub(super) struct Parts {
     pub(super) between_shots: Matrix3<f64>,
 }
 
-/// Leaves out one part of the matches after another. `pose` is made of all of them, `own` is the rig's.
+/// Leaves out one part of the matches after another. `shots` are those of the pairs; `pose` is made of all
+/// of them, `own` is the rig's.
 /// `None` where one part cannot be spared: the pose then rests on it alone.
 pub(super) fn parts(
-    matches: &[(Correspondence, RayPair)],
+    pairs: &[RayPair],
+    shots: &[usize],
     pose: &RelativePose,
     own: &RelativePose,
     cut_rad: f64,
 ) -> Option<Parts> {
-    let shots: BTreeSet<usize> = matches.iter().map(|(c, _)| c.shot).collect();
-    let by_shot = shots.len() >= LEAST_SHOTS;
-    let part = |(c, pair): &(Correspondence, RayPair)| match by_shot {
-        true => c.shot,
-        false => sector(&pair.left),
+    let by_shot = shots.iter().collect::<BTreeSet<_>>().len() >= MIN_SHOTS;
+    let parts: Vec<usize> = match by_shot {
+        true => shots.to_vec(),
+        false => pairs.iter().map(|pair| sector(&pair.left)).collect(),
     };
-    let all: BTreeSet<usize> = matches.iter().map(part).collect();
     let mut misses = [Vec::new(), Vec::new()];
     let mut turns = Vec::new();
-    for left_out in all {
-        let (held, others): (Vec<_>, Vec<_>) =
-            matches.iter().copied().partition(|m| part(m) == left_out);
-        let others: Vec<RayPair> = others.into_iter().map(|(_, pair)| pair).collect();
+    for left_out in parts.iter().collect::<BTreeSet<_>>() {
+        let (held, others): (Vec<_>, Vec<_>) = pairs
+            .iter()
+            .zip(&parts)
+            .partition(|(_, part)| *part == left_out);
+        let others: Vec<RayPair> = others.into_iter().map(|(pair, _)| *pair).collect();
         let without = refine(&others, pose, cut_rad)?.pose;
         turns.push(vector_of_rotation(
             &(without.rotation * pose.rotation.inverse()),
         ));
-        for (_, pair) in held {
+        for (pair, _) in held {
             // Wrong matches agree with no pose and say nothing.
-            let both = [own, &without].map(|pose| pose.miss_rad(&pair));
+            let both = [own, &without].map(|pose| pose.miss_rad(pair));
             if both.iter().any(|miss| *miss < cut_rad) {
                 misses[0].push(both[0]);
                 misses[1].push(both[1]);
@@ -99,7 +100,8 @@ fn jackknife(turns: &[Vector3<f64>]) -> Matrix3<f64> {
     squares.sum::<Matrix3<f64>>() * ((count - 1.0) / count)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// The middle value; infinite where there are none.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.get(values.len() / 2);
     middle.copied().unwrap_or(f64::INFINITY)

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2, Vector3};
 const LENGTH_RAD: f64 = 0.6;
 /// What lenses are off by in any case, rad: on real boards that took no part in their calibration by 0.02
 /// to 0.07 degrees (README, `real_directions`).
-const LEAST_RAD: f64 = 0.04 * std::f64::consts::PI / 180.0;
+const CALIBRATED_RAD: f64 = 0.04 * std::f64::consts::PI / 180.0;
 /// Residuals that the components are estimated from, at most: the work grows with their square.
 const MAX_ROWS: usize = 400;
 
@@ -62,7 +62,7 @@ pub(super) fn covariance<const N: usize>(rows: &[Row<N>]) -> Option<SMatrix<f64,
     let residuals = DVector::from_fn(count, |i, _| rows[i].weight * rows[i].residual_rad);
     let lens_square = lens_square(&rows, &residuals, &alike, &seen);
     let spread = &gains * &alike * gains.transpose();
-    let square = lens_square + LEAST_RAD * LEAST_RAD;
+    let square = lens_square + CALIBRATED_RAD * CALIBRATED_RAD;
     Some(SMatrix::from_fn(|a, b| square * spread[(a, b)]))
 }
 

@@ -4,7 +4,7 @@ use image::GrayImage;
 use nalgebra::Vector3;
 use tectum_optics::{Rig, RigEye};
 
-use super::held_out::parts;
+use super::held_out::{median, parts};
 use super::pose::rotation_between;
 use super::selection::rotation_suffices;
 use super::{
@@ -61,6 +61,8 @@ pub struct Markerless {
     pub matches: usize,
     /// RMS of the inliers' residuals, rad.
     pub rms_rad: f64,
+    /// Residual up to which matches agree, rad ([`MarkerlessOptions::threshold_rad`]).
+    pub threshold_rad: f64,
     /// How far the rotation is from the rig's, rad.
     pub turned_rad: f64,
     /// How well the pose predicts matches that took no part in its refinement, beside the rig's own.
@@ -237,12 +239,10 @@ fn noise_rad(pairs: &[RayPair], found: &RansacResult) -> f64 {
         .iter()
         .zip(&found.inliers)
         .filter(|(_, agrees)| **agrees);
-    let mut misses: Vec<f64> = agreeing
+    let misses = agreeing
         .map(|(pair, _)| found.pose.miss_rad(pair))
         .collect();
-    misses.sort_by(f64::total_cmp);
-    let median = misses.get(misses.len() / 2);
-    median.map_or(f64::INFINITY, |median| SIGMAS_PER_MEDIAN * median)
+    SIGMAS_PER_MEDIAN * median(misses)
 }
 
 fn refined(
@@ -262,27 +262,25 @@ fn finish(
     pose: &RelativePose,
     options: &MarkerlessOptions,
 ) -> Result<Markerless, EpipolarError> {
-    let fine = refined(eyes, &matches, pose, options)?;
-    let with_rays = matches
-        .iter()
-        .filter_map(|c| Some((*c, RayPair::new(eyes, c)?)));
-    let with_rays: Vec<(Correspondence, RayPair)> = with_rays.collect();
-    let rig_pose = RelativePose::of(eyes);
-    let parts = parts(&with_rays, &fine.pose, &rig_pose, options.cut_rad())
-        .ok_or(options.uncertain(f64::INFINITY))?;
-    let fine = fine
-        .believed(
-            &pairs(eyes, &matches),
-            options.cut_rad(),
-            &parts.between_shots,
-        )
-        .ok_or(options.uncertain(f64::INFINITY))?;
-    let turned_rad = check_turn(eyes, &fine.pose, options)?;
     let all = matches.len();
+    let (matches, pairs): (Vec<Correspondence>, Vec<RayPair>) = matches
+        .into_iter()
+        .filter_map(|c| Some((c, RayPair::new(eyes, &c)?)))
+        .unzip();
+    let unfixed = || options.uncertain(f64::INFINITY);
+    let cut_rad = options.cut_rad();
+    let fine = refine(&pairs, pose, cut_rad).ok_or_else(unfixed)?;
+    let shots: Vec<usize> = matches.iter().map(|c| c.shot).collect();
+    let parts = parts(&pairs, &shots, &fine.pose, &RelativePose::of(eyes), cut_rad);
+    let parts = parts.ok_or_else(unfixed)?;
+    let fine = fine.believed(&pairs, cut_rad, &parts.between_shots);
+    let fine = fine.ok_or_else(unfixed)?;
+    let turned_rad = check_turn(eyes, &fine.pose, options)?;
     let (inliers, squares): (Vec<Correspondence>, Vec<f64>) = matches
         .into_iter()
-        .filter_map(|c| {
-            let miss = fine.pose.miss_rad(&RayPair::new(eyes, &c)?);
+        .zip(&pairs)
+        .filter_map(|(c, pair)| {
+            let miss = fine.pose.miss_rad(pair);
             (miss < options.threshold_rad).then_some((c, miss * miss))
         })
         .unzip();
@@ -300,6 +298,7 @@ fn finish(
         baseline_standard_error_rad: fine.baseline_standard_error_rad,
         rms_rad: libm::sqrt(squares.iter().sum::<f64>() / squares.len() as f64),
         matches: all,
+        threshold_rad: options.threshold_rad,
         turned_rad,
         held_out: parts.held_out,
         inliers,

@@ -9,9 +9,9 @@ use super::{Options, Registration, RegistrationError, rotations};
 use crate::Eyes;
 use crate::epipolar::{Baseline, Markerless};
 
-/// Residual up to which the rig explains a match, rad: twice what one may miss its epipolar plane by.
-/// Wrong matches that lie in the plane by chance ask for a parallax that no range has.
-const MOST_RESIDUAL_RAD: f64 = 0.8 * std::f64::consts::PI / 180.0;
+/// A rig explains a match up to this many times what one may miss its epipolar plane by. A wrong match can
+/// lie in that plane by chance; the parallax that it asks for is then that of no range.
+const THRESHOLDS: f64 = 2.0;
 
 /// The rig with its eyes turned, half each, until they stand to one another as `found` says. The
 /// baseline keeps its length, which no picture tells, and its middle; it takes the direction found
@@ -49,7 +49,8 @@ pub fn register_pose(
         inliers: ties
             .iter()
             .map(|tie| {
-                angle_rad(&mount, tie, &look).is_some_and(|angle| angle <= MOST_RESIDUAL_RAD)
+                angle_rad(&mount, tie, &look)
+                    .is_some_and(|angle| angle <= THRESHOLDS * found.threshold_rad)
             })
             .collect(),
         residuals_deg: Vec::new(),

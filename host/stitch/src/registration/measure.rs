@@ -23,6 +23,11 @@ pub struct ShotFit {
 }
 
 impl Registration {
+    /// Whether the rig's own poses stay, since they predict matches that took no part at least as well.
+    pub fn keeps_poses(&self) -> bool {
+        self.held_out.is_some_and(|held_out| !held_out.improves())
+    }
+
     /// Fills in what is left of the residuals.
     pub(super) fn measure(&mut self, mount: &Mount<'_>, ties: &[Tie], look: &Look) {
         let mut shots = BTreeMap::<usize, (usize, usize, f64)>::new();

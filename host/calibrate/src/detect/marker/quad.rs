@@ -59,9 +59,7 @@ impl Quad {
                 let rms_px = side.fit(&points, degree(side.length_px()))?;
                 square += rms_px * rms_px / 4.0;
             }
-            for k in 0..4 {
-                corners_px[k] = sides[(k + 3) % 4].meets(&sides[k])?;
-            }
+            corners_px = meets(&sides)?;
         }
         let moved = (0..4).all(|k| {
             let from = sides[k].length_px().min(sides[(k + 3) % 4].length_px());
@@ -87,11 +85,7 @@ impl Quad {
             let points = edge::points(plane, side, reach_px);
             side.fit(&points, degree(side.length_px()))?;
         }
-        let mut corners_px = self.corners_px;
-        for k in 0..4 {
-            corners_px[k] = sides[(k + 3) % 4].meets(&sides[k])?;
-        }
-        Some(corners_px)
+        meets(&sides)
     }
 
     /// Length of the longest side's chord, px.
@@ -128,6 +122,12 @@ impl Quad {
             }
         }
     }
+}
+
+/// The corners where sides meet, clockwise as they are: the first between the last side and the first.
+fn meets(sides: &[Side; 4]) -> Option<[[f64; 2]; 4]> {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|k| sides[(k + 3) % 4].meets(&sides[k]));
+    Some([a?, b?, c?, d?])
 }
 
 /// Degree of a side's polynomial: what a lens bends grows with the length, and so does the number

@@ -84,7 +84,13 @@ fn the_map_of_uncertainty_says_how_far_to_trust() {
     insta::assert_snapshot!(none.sentence, @r"
     Use this calibration with care: directions have a standard error of 0.23 degrees already at the axis.
     ");
-    assert_eq!(verdict(&sample, &|_| None).trust, Trust::Care);
+    let unknown = verdict(&sample, &|_| None);
+    assert_eq!(unknown.trust, Trust::Care);
+    assert!(
+        unknown.sentence.contains("tell no standard errors"),
+        "{}",
+        unknown.sentence
+    );
 }
 
 #[test]

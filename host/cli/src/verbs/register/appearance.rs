@@ -16,7 +16,7 @@ use super::{Args, ToneName};
 const COLOUR_WIDTH_PX: u16 = 1024;
 /// Similarity along the seam below which something is wrong: pairs of `rig220-sweepnet` have 0.75 to
 /// 0.99, and pictures with a guessed rig had 0.17.
-const LEAST_SSIM: f64 = 0.5;
+const MIN_SSIM: f64 = 0.5;
 /// Stitched picture of the report, px.
 const SHOWN_PX: [u16; 2] = [1536, 768];
 
@@ -73,7 +73,7 @@ impl Appearance {
 
     /// Warns where both eyes' pictures still differ along the seam.
     fn warn_of(&mut self, summary: &AlignSummary) {
-        if summary.ssim_after < LEAST_SSIM {
+        if summary.ssim_after < MIN_SSIM {
             self.warnings.push(format!(
                 "The SSIM of both eyes' pictures along the seam is {:.2} only, right poses give 0.75 or \
                  more: are the pictures of the same instant, the poses right \

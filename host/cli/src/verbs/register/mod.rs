@@ -38,9 +38,10 @@ const LOOKED_AT: usize = 12;
     tectum register rig.toml --left l --right r --board 8x6 --square-mm 30 -o fish.toml\n  \
     tectum register rig.toml --left l.png --right r.png --matcher rootsift -o fish.toml\n  \
     tectum register rig.toml --picture both.jpg --keep-poses --distance auto -o fish.toml\n\n\
-    The rig's eyes are turned (and with boards their lenses scaled by a little) until both see the same points in\n\
-    the same directions: corners of boards (`tectum board` writes the target's JSON beside the print),\n\
-    or natural features, for which the eyes must not have turned by more than 10 degrees. Then the\n\
+    The rig's eyes are turned, and with boards their lenses scaled by a little, until both see the\n\
+    same points in the same directions: corners of boards (`tectum board` writes the target's JSON\n\
+    beside the print), or natural features, for which the eyes must not have turned by more than 10\n\
+    degrees. Where the rig's own poses predict natural features as well, they are kept. Then the\n\
     colours are matched, the seam is cut where it shows least, and the eyes are bent towards each\n\
     other along it where that makes it better and the table's mesh carries it. `tectum bake` puts all\n\
     of it into the table. Boards decide how the eyes are turned; the scene to swim in decides seam and\n\

@@ -5,6 +5,7 @@ use tectum_stitch::registration::parallax_at;
 use tectum_stitch::report::{Figure, ReportInput, Shot, html as page};
 
 use super::distance::named;
+use super::summary::missed;
 use super::{Done, agreeing};
 
 /// Energy that is white in the report, grey levels.
@@ -66,11 +67,9 @@ fn verdict(done: &Done) -> String {
     };
     let sure = 2.0 * found.turn_standard_error_deg;
     match &found.held_out {
-        Some(held_out) if !held_out.improves() => format!(
-            "The rig's poses are kept: matches that took no part miss them by {:.3}°, the poses found by \
-             {:.3}°.",
-            held_out.rig_deg, held_out.found_deg
-        ),
+        Some(held_out) if found.keeps_poses() => {
+            format!("The rig's poses are kept: {}.", missed(held_out))
+        }
         _ => format!(
             "The eyes are registered: turned by {:.3}° against each other, sure to {sure:.3}° (two \
              standard errors).",
@@ -111,12 +110,11 @@ fn figures(done: &Done) -> Vec<Figure> {
             "reprojection",
             "RMS".into(),
         );
-        let is_kept = found.held_out.is_some_and(|held_out| !held_out.improves());
         let sure = found.turn_standard_error_deg;
         add(
             format!("{:.3}°", found.turn_deg),
             "turned",
-            match is_kept {
+            match found.keeps_poses() {
                 true => format!("kept; a turn found would be sure to ± {sure:.3}°"),
                 false => format!("against each other, ± {sure:.3}°"),
             },

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
+use tectum_stitch::epipolar::HeldOut;
 use tectum_stitch::registration::parallax_at;
 use tectum_stitch::seam::{RangeLoss, range_losses};
 
@@ -117,21 +118,24 @@ fn poses(done: &Done, text: &mut String) {
         )),
     );
     if let Some(held_out) = &found.held_out {
-        let verdict = match held_out.improves() {
-            true => "the poses found are taken",
-            false => "the rig's poses are kept",
+        let verdict = match found.keeps_poses() {
+            true => "the rig's poses are kept",
+            false => "the poses found are taken",
         };
-        let rig = match held_out.rig_deg.is_finite() {
-            true => format!("the rig's by {:.3}", held_out.rig_deg),
-            false => "the rig's explain less than half of them".to_owned(),
-        };
-        let _ = writeln!(
-            text,
-            "held out   matches that took no part miss the poses found from the others by {:.3} degrees \
-             (median), {rig}: {verdict}",
-            held_out.found_deg
-        );
+        let _ = writeln!(text, "held out   {}: {verdict}", missed(held_out));
     }
+}
+
+/// How far matches that took no part miss both poses.
+pub fn missed(held_out: &HeldOut) -> String {
+    let rig = match held_out.rig_deg.is_finite() {
+        true => format!("the rig's by {:.3}", held_out.rig_deg),
+        false => "the rig's explain less than half of them".to_owned(),
+    };
+    format!(
+        "matches that took no part miss the poses found from the others by {:.3} degrees (median), {rig}",
+        held_out.found_deg
+    )
 }
 
 /// What the seam cuts away or shows twice.
