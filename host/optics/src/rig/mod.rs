@@ -186,10 +186,21 @@ impl Rig {
     /// unit `direction`: that of the point at the stitch distance, bent by the rig's warp. `None`
     /// if there is no such eye.
     pub fn shown_ray(&self, eye: usize, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let rig_eye = [&self.left, &self.right][eye].as_ref()?;
+        self.shown_rays(direction)[eye]
+    }
+
+    /// [`Self::shown_ray`] of the left and the right eye.
+    pub fn shown_rays(&self, direction: &Vector3<f64>) -> [Option<Vector3<f64>>; 2] {
         let warp = self.stitching.as_ref().and_then(|s| s.warp.as_ref());
-        let bent = warp.map(|warp| warp.bent(eye, direction));
-        Some(rig_eye.camera_ray(bent.as_ref().unwrap_or(direction), self.stitch_distance_m))
+        let bent = warp.map_or([*direction; 2], |warp| warp.bent_of_both(direction));
+        let eyes = [&self.left, &self.right];
+        [0, 1].map(|i| {
+            Some(
+                eyes[i]
+                    .as_ref()?
+                    .camera_ray(&bent[i], self.stitch_distance_m),
+            )
+        })
     }
 
     /// The projection about the plane through both optical axes.
