@@ -3,18 +3,17 @@
 use rayon::prelude::*;
 use serde::Serialize;
 use tectum_optics::convention::angle_between;
-use tectum_optics::{OutputMap, Rig};
+use tectum_optics::{OutputMap, Rig, RowRays};
 use tectum_tables::builder::{RunData, RunsTooLong, TableBuilder};
 use tectum_tables::{TableError, Tables};
 
-use crate::mesh::{FittedMesh, Targets, fit};
+use crate::mesh::{FittedMesh, KEPT_BYTES, Targets, fit};
 use crate::metering::meter_pairs;
 use crate::output_map::{from_table, to_table};
 use crate::rays::eye_rays;
-use crate::rows::Weights;
+use crate::rows::{RunRule, for_each_row};
 use crate::scales::ScalesReport;
-use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE, left_weight};
-use crate::sights::Sights;
+use crate::sights::{Seam, Sights, is_hidden};
 use crate::tone::{ToneError, tone};
 
 /// Steps to try, coarsest first, as powers of two.
@@ -166,6 +165,9 @@ pub enum BakeError {
 /// Bakes a table. A rig with `[stitching]` gives its seam, warp and tone, and metering pairs where
 /// both eyes are shown.
 ///
+/// Pixels are traced in rows that share memory, and again where their positions are not kept, so that
+/// memory grows with the table and a row rather than with the picture: [`memory_bytes`](crate::memory_bytes).
+///
 /// # Errors
 /// [`BakeError`]: an option out of range, or no table that meets it.
 pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
@@ -174,14 +176,11 @@ pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     let output_map = to_table(&options.output).ok_or(BakeError::OutputMap)?;
     let output = from_table(&output_map, options.output.size_px);
     let options = &BakeOptions { output, ..*options };
-    // A position off by the allowed error and its rounding must still have its whole box.
-    let sights = Sights::trace(rig, &output, options.max_error_px + 1.0 / 128.0);
-    let weights = weights(rig, options, &sights);
-    let rows = match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
-        Some(_) => weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights),
-        None => weights.rows(RAMP_TOLERANCE),
-    };
-    let [left, right] = meshes(rig, &sights, &rows, options)?;
+    let seam = Seam::of(rig, options.feather_rad);
+    let sights = Sights::new(rig, &output, seam, margin_px(options));
+    let (rows, targets) = trace(&sights, RunRule::of(seam));
+    let [left, right] = meshes(rig, &targets, options)?;
+    drop(targets);
     if left.is_none() && right.is_none() {
         return Err(BakeError::Empty);
     }
@@ -238,25 +237,52 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// The left eye's weight at every output pixel: the seam map's, or geometry's without one.
-pub(crate) fn weights(rig: &Rig, options: &BakeOptions, sights: &Sights) -> Weights {
-    let output = &options.output;
-    match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
-        Some(seam) => Weights::new(sights, |x, y, [left, right]| match (left, right) {
-            (Some(_), Some(_)) => Some(seam.left_share(&output.ray(x as f64, y as f64)?)),
-            _ => left_weight(left, right, 0.0),
-        }),
-        None => Weights::new(sights, |_, _, [left, right]| {
-            left_weight(left, right, options.feather_rad)
-        }),
-    }
+/// How far a position must be inside the border of what a bilinear box needs, px: one that is off by
+/// the allowed error and its rounding must still have its whole box.
+pub(crate) fn margin_px(options: &BakeOptions) -> f64 {
+    options.max_error_px + 1.0 / 128.0
+}
+
+/// Runs of all rows, and what each eye shows according to them.
+pub(crate) fn trace<'a>(
+    sights: &'a Sights<'_>,
+    rule: RunRule,
+) -> (Vec<Vec<RunData>>, [Targets<'a>; 2]) {
+    let mut targets = [0, 1].map(|eye| {
+        Targets::new(sights.size_px()[0], KEPT_BYTES, move |y, spans| {
+            let position = sights.positions(y, eye);
+            spans.iter().cloned().flatten().map(position).collect()
+        })
+    });
+    let mut rows = Vec::new();
+    let row = |y| sights.row(y);
+    for_each_row(sights.size_px(), row, rule, |runs, sights| {
+        for (eye, targets) in targets.iter_mut().enumerate() {
+            let mut first = 0;
+            let shown = runs.iter().flat_map(|run| {
+                let (len, shown) = match *run {
+                    RunData::Void(n) => (n, [false, false]),
+                    RunData::Left(n) => (n, [true, false]),
+                    RunData::Right(n) => (n, [false, true]),
+                    RunData::Blend(n, _) => (n, [true, true]),
+                };
+                let columns = first..first + usize::from(len);
+                first = columns.end;
+                if shown[eye] { columns } else { 0..0 }
+            });
+            let positions = &sights.positions[eye];
+            let shown = shown.map(|x| (x, positions[x]));
+            targets.push_row(shown.filter(|(_, position)| !is_hidden(position)));
+        }
+        rows.push(runs);
+    });
+    (rows, targets)
 }
 
 /// The coarsest mesh of each eye that meets the error.
 fn meshes(
     rig: &Rig,
-    sights: &Sights,
-    rows: &[Vec<RunData>],
+    targets: &[Targets<'_>; 2],
     options: &BakeOptions,
 ) -> Result<[Option<FittedMesh>; 2], BakeError> {
     let eyes = [("left", &rig.left), ("right", &rig.right)];
@@ -266,8 +292,7 @@ fn meshes(
             let (name, Some(eye)) = eyes[i] else {
                 return Ok(None);
             };
-            let targets = targets(sights, rows, i);
-            coarsest(name, &targets, eye.eye.size_px, options.max_error_px)
+            coarsest(name, &targets[i], eye.eye.size_px, options.max_error_px)
         })
         .collect();
     let mut fitted = fitted.into_iter();
@@ -277,7 +302,7 @@ fn meshes(
 
 fn coarsest(
     eye: &'static str,
-    targets: &Targets,
+    targets: &Targets<'_>,
     source_size_px: [u16; 2],
     wanted_px: f64,
 ) -> Result<Option<FittedMesh>, BakeError> {
@@ -302,28 +327,6 @@ fn coarsest(
     })
 }
 
-/// What one eye shows according to the runs.
-pub(crate) fn targets(sights: &Sights, rows: &[Vec<RunData>], eye: usize) -> Targets {
-    let mut positions = Vec::with_capacity(sights.pixels.len());
-    for (row, sights) in rows.iter().zip(sights.pixels.chunks_exact(sights.width_px)) {
-        let mut sights = sights.iter();
-        for run in row {
-            let (len, shown) = match *run {
-                RunData::Void(n) => (n, [false, false]),
-                RunData::Left(n) => (n, [true, false]),
-                RunData::Right(n) => (n, [false, true]),
-                RunData::Blend(n, _) => (n, [true, true]),
-            };
-            positions.extend(sights.by_ref().take(usize::from(len)).map(|sights| {
-                sights[eye]
-                    .filter(|_| shown[eye])
-                    .map_or(Targets::HIDDEN, |s| s.pixel)
-            }));
-        }
-    }
-    Targets::new(sights.width_px, rows.len(), positions)
-}
-
 fn total_error(meshes: &[&Option<FittedMesh>]) -> ErrorSummary {
     let meshes = || meshes.iter().copied().flatten();
     let pixels: usize = meshes().map(|m| m.shown_px).sum();
@@ -339,8 +342,10 @@ fn total_error(meshes: &[&Option<FittedMesh>]) -> ErrorSummary {
 /// How far the rig's bend moves what is shown, over all shown pixels and eyes; `None` without one.
 fn bend_deg(rig: &Rig, output: &OutputMap, rows: &[Vec<RunData>]) -> Option<ErrorSummary> {
     let warp = rig.stitching.as_ref()?.warp.as_ref()?;
+    let rays = RowRays::new(output);
     let of_row = |(y, runs): (usize, &Vec<RunData>)| {
         let (mut max, mut squares, mut count) = (0.0f64, 0.0, 0usize);
+        let ray = rays.row(y);
         let mut x = 0;
         for run in runs {
             let (len, eyes) = match *run {
@@ -349,21 +354,24 @@ fn bend_deg(rig: &Rig, output: &OutputMap, rows: &[Vec<RunData>]) -> Option<Erro
                 RunData::Right(len) => (len, 1..2),
                 RunData::Blend(len, _) => (len, 0..2),
             };
-            let pixels = (x..x + usize::from(len)).filter_map(|x| output.ray(x as f64, y as f64));
-            for (ray, eye) in pixels.flat_map(|ray| eyes.clone().map(move |eye| (ray, eye))) {
-                let by_deg = angle_between(&warp.bent(eye, &ray), &ray).to_degrees();
-                max = max.max(by_deg);
-                squares += by_deg * by_deg;
-                count += 1;
+            let columns = x..x + usize::from(len);
+            x = columns.end;
+            for ray in columns.filter(|_| !eyes.is_empty()).filter_map(&ray) {
+                for bent in &warp.bent_of_both(&ray)[eyes.clone()] {
+                    let by_deg = angle_between(bent, &ray).to_degrees();
+                    max = max.max(by_deg);
+                    squares += by_deg * by_deg;
+                    count += 1;
+                }
             }
-            x += usize::from(len);
         }
         (max, squares, count)
     };
-    let (max, squares, count) = rows.par_iter().enumerate().map(of_row).reduce(
-        || (0.0, 0.0, 0),
-        |a, b| (a.0.max(b.0), a.1 + b.1, a.2 + b.2),
-    );
+    let rows: Vec<(f64, f64, usize)> = rows.par_iter().enumerate().map(of_row).collect();
+    // From the top, so that the sum is the same on every machine.
+    let (max, squares, count) = rows.into_iter().fold((0.0f64, 0.0, 0), |a, b| {
+        (a.0.max(b.0), a.1 + b.1, a.2 + b.2)
+    });
     Some(ErrorSummary {
         max,
         rms: (squares / count.max(1) as f64).sqrt(),

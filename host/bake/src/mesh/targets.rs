@@ -1,48 +1,106 @@
 //! Exact source positions of the output pixels that one eye shows.
 
+use std::borrow::Cow;
+use std::fmt;
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+/// Bytes of positions that are kept, for one eye: those of all pixels of a picture of 2048x1024. Others
+/// are traced again whenever they are needed, which takes a fifth longer in all and no memory.
+pub const KEPT_BYTES: usize = 32 << 20;
+
+/// Source positions of the pixels of a row (its number, and the columns that are shown), px.
+type Trace<'a> = dyn Fn(usize, &[Range<usize>]) -> Vec<[f64; 2]> + Sync + 'a;
+
 /// Where each output pixel of one eye looks in its source frame, px, from the camera model.
-#[derive(Debug, Clone)]
-pub struct Targets {
+pub struct Targets<'a> {
     width_px: usize,
-    height_px: usize,
-    positions: Vec<[f64; 2]>,
+    rows: Vec<Row>,
+    trace: Box<Trace<'a>>,
+    /// Bytes of positions that may still be kept.
+    room_bytes: usize,
 }
 
-impl Targets {
-    /// Marks a pixel that the eye does not show.
-    pub const HIDDEN: [f64; 2] = [f64::NAN; 2];
+struct Row {
+    /// Columns that are shown.
+    spans: Vec<Range<usize>>,
+    /// Their positions, if they are kept.
+    kept: Option<Vec<[f64; 2]>>,
+}
 
-    /// Targets of a `width_px` x `height_px` output from its positions, row by row;
-    /// [`Targets::HIDDEN`] where there is none.
-    ///
-    /// # Panics
-    /// If the number of positions is not `width_px * height_px`.
-    pub fn new(width_px: usize, height_px: usize, positions: Vec<[f64; 2]>) -> Self {
-        assert_eq!(positions.len(), width_px * height_px);
+impl<'a> Targets<'a> {
+    /// Targets of an output `width_px` wide, without any row yet. `trace` gives again, and to the
+    /// bit, what rows are pushed with: the positions of the given columns of a row.
+    pub fn new(
+        width_px: usize,
+        kept_bytes: usize,
+        trace: impl Fn(usize, &[Range<usize>]) -> Vec<[f64; 2]> + Sync + 'a,
+    ) -> Self {
         Self {
             width_px,
-            height_px,
-            positions,
+            rows: Vec::new(),
+            trace: Box::new(trace),
+            room_bytes: kept_bytes,
         }
+    }
+
+    /// Adds the next row from the top: its shown pixels, by column, and their positions.
+    pub fn push_row(&mut self, shown: impl Iterator<Item = (usize, [f64; 2])>) {
+        let mut spans: Vec<Range<usize>> = Vec::new();
+        let mut positions = Vec::new();
+        for (x, position) in shown {
+            match spans.last_mut() {
+                Some(span) if span.end == x => span.end += 1,
+                _ => spans.push(x..x + 1),
+            }
+            positions.push(position);
+        }
+        let bytes = size_of_val(&positions[..]);
+        let kept = (bytes <= self.room_bytes).then(|| {
+            self.room_bytes -= bytes;
+            positions.shrink_to_fit();
+            positions
+        });
+        self.rows.push(Row { spans, kept });
     }
 
     /// Width and height of the output, px.
     pub fn size_px(&self) -> [usize; 2] {
-        [self.width_px, self.height_px]
+        [self.width_px, self.rows.len()]
     }
 
-    /// Position of output pixel (x, y), if shown.
-    pub fn get(&self, x: usize, y: usize) -> Option<[f64; 2]> {
-        let position = self.positions[y * self.width_px + x];
-        (!position[0].is_nan()).then_some(position)
+    /// Number of shown pixels.
+    pub fn shown_px(&self) -> usize {
+        let spans = self.rows.iter().flat_map(|row| &row.spans);
+        spans.map(ExactSizeIterator::len).sum()
     }
 
-    /// All shown pixels: x, y, position.
-    pub fn shown(&self) -> impl Iterator<Item = (usize, usize, [f64; 2])> + '_ {
-        let rows = self.positions.chunks_exact(self.width_px).enumerate();
-        rows.flat_map(|(y, row)| {
-            let shown = row.iter().enumerate().filter(|(_, p)| !p[0].is_nan());
-            shown.map(move |(x, p)| (x, y, *p))
-        })
+    /// The shown columns of a row.
+    pub fn spans(&self, y: usize) -> &[Range<usize>] {
+        &self.rows[y].spans
+    }
+
+    /// Positions of the shown pixels of some rows.
+    pub fn positions(&self, rows: Range<usize>) -> Vec<Cow<'_, [[f64; 2]]>> {
+        let row = |y: usize| match &self.rows[y].kept {
+            Some(kept) => Cow::Borrowed(&kept[..]),
+            None => Cow::Owned((self.trace)(y, &self.rows[y].spans)),
+        };
+        if self.rows[rows.clone()].iter().all(|row| row.kept.is_some()) {
+            rows.map(row).collect()
+        } else {
+            rows.into_par_iter().map(row).collect()
+        }
+    }
+}
+
+impl fmt::Debug for Targets<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kept = self.rows.iter().filter(|row| row.kept.is_some()).count();
+        f.debug_struct("Targets")
+            .field("size_px", &self.size_px())
+            .field("kept_rows", &kept)
+            .finish_non_exhaustive()
     }
 }

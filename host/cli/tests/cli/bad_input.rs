@@ -241,20 +241,38 @@ fn outputs_that_cannot_be_are_refused() {
     assert_says(&message, &["out.tct", "folder"]);
 }
 
-/// Under a limit of 2 GB, as on a small machine.
+/// `bake` with an address space of so many MB, and no more than two threads, each of which takes some.
+#[cfg(target_os = "linux")]
+fn baked_in(bench: &Bench, limit_mb: u32, size: &str) -> std::process::Output {
+    let script = format!(
+        "ulimit -v {limit_mb}000; exec '{}' bake rig.toml -o out.tct --size {size}",
+        env!("CARGO_BIN_EXE_tectum")
+    );
+    let mut command = bench.command("sh");
+    command.env("RAYON_NUM_THREADS", "2").args(["-c", &script]);
+    command.output().unwrap()
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn an_output_larger_than_memory_is_refused() {
     let bench = Bench::new();
-    let script = format!(
-        "ulimit -v 2000000; exec '{}' bake rig.toml -o out.tct --size 8192x8192",
-        env!("CARGO_BIN_EXE_tectum")
-    );
-    let output = bench.command("sh").args(["-c", &script]).output().unwrap();
+    let output = baked_in(&bench, 800, "8192x8192");
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert_says(&message, &["8192x8192", "GB of memory", "smaller"]);
     assert_eq!(bench.files(), ["rig.toml"]);
+}
+
+/// What is known of each pixel takes more than 100 bytes: 800 MB of this picture.
+#[cfg(target_os = "linux")]
+#[test]
+fn baking_a_large_output_takes_little_memory() {
+    let bench = Bench::new();
+    let output = baked_in(&bench, 400, "4096x2048");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    assert_eq!(bench.files(), ["out.tct", "rig.toml"]);
 }
 
 #[test]
