@@ -14,6 +14,7 @@ use crate::rays::eye_rays;
 use crate::rows::{RunRule, for_each_row};
 use crate::scales::ScalesReport;
 use crate::sights::{Seam, Sights, is_hidden};
+use crate::sufficient::{Sufficient, sufficient};
 use crate::tone::{ToneError, tone};
 
 /// Steps to try, coarsest first, as powers of two.
@@ -111,7 +112,7 @@ pub struct Owners {
 /// Least error that may be asked for: half a step of a mesh's finest positions.
 const MIN_ERROR_PX: f64 = 0.004;
 /// Greatest error that may be asked for.
-const MAX_ERROR_PX: f64 = 10.0;
+pub(crate) const MAX_ERROR_PX: f64 = 10.0;
 
 /// Why there is no table.
 #[derive(Debug, thiserror::Error)]
@@ -130,13 +131,7 @@ pub enum BakeError {
     /// No mesh is good enough.
     #[error(
         "{eye} eye: no mesh meets {wanted_px} px: {reached}. {}",
-        if *more_error_helps {
-            "Allow more with --max-error, or ask for a larger output (finer pixels bend less from \
-             vertex to vertex)"
-        } else {
-            "Ask for a larger output: its vertices lie closer together in the eye's picture. No \
-             --max-error helps"
-        }
+        advice(*best_px, sufficient.as_ref())
     )]
     Accuracy {
         /// Which eye.
@@ -145,8 +140,10 @@ pub enum BakeError {
         wanted_px: f64,
         /// What each step reached.
         reached: String,
-        /// Whether some step reached an error that may be asked for.
-        more_error_helps: bool,
+        /// The least error of any step; infinite if no step gives a mesh.
+        best_px: f64,
+        /// What would give a table, if it was looked for and found.
+        sufficient: Option<Sufficient>,
     },
     /// No output pixel shows either eye.
     #[error("no output pixel is seen by an eye: check the projection's axis and the field")]
@@ -162,6 +159,22 @@ pub enum BakeError {
     Proof(TableError),
 }
 
+/// What to do where no mesh is good enough.
+fn advice(best_px: f64, sufficient: Option<&Sufficient>) -> String {
+    let enough = sufficient.map_or_else(String::new, |enough| format!(" ({enough} suffices)"));
+    if best_px <= MAX_ERROR_PX {
+        format!(
+            "Allow more with --max-error{enough}, or ask for a larger output (finer pixels bend less \
+             from vertex to vertex)"
+        )
+    } else {
+        format!(
+            "Ask for a larger output{enough}: its vertices lie closer together in the eye's picture. \
+             No --max-error helps"
+        )
+    }
+}
+
 /// Bakes a table. A rig with `[stitching]` gives its seam, warp and tone, and metering pairs where
 /// both eyes are shown.
 ///
@@ -169,8 +182,23 @@ pub enum BakeError {
 /// memory grows with the table and a row rather than with the picture: [`memory_bytes`](crate::memory_bytes).
 ///
 /// # Errors
-/// [`BakeError`]: an option out of range, or no table that meets it.
+/// [`BakeError`]: an option out of range, or no table that meets it. Up to 2048x1024 px, a few more bakes
+/// then find an error or a size that suffices.
 pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
+    let mut result = bake_as_asked(rig, options);
+    if let Err(BakeError::Accuracy {
+        best_px,
+        sufficient: found,
+        ..
+    }) = &mut result
+    {
+        *found = sufficient(rig, options, *best_px);
+    }
+    result
+}
+
+/// [`bake`], without looking for what would suffice.
+pub(crate) fn bake_as_asked(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     check(options)?;
     // Traced through the table's own numbers, so that rounding them costs no accuracy.
     let output_map = to_table(&options.output).ok_or(BakeError::OutputMap)?;
@@ -307,12 +335,12 @@ fn coarsest(
     wanted_px: f64,
 ) -> Result<Option<FittedMesh>, BakeError> {
     let mut reached = Vec::new();
-    let mut more_error_helps = false;
+    let mut best_px = f64::INFINITY;
     for step_log2 in STEPS_LOG2 {
         let step = 1 << step_log2;
         match fit(targets, source_size_px, step_log2, wanted_px) {
             Ok(Some(mesh)) if mesh.max_error_px > wanted_px => {
-                more_error_helps |= mesh.max_error_px <= MAX_ERROR_PX;
+                best_px = best_px.min(mesh.max_error_px);
                 reached.push(format!("step {step} gives {:.3} px", mesh.max_error_px));
             }
             Ok(mesh) => return Ok(mesh),
@@ -323,7 +351,8 @@ fn coarsest(
         eye,
         wanted_px,
         reached: reached.join(", "),
-        more_error_helps,
+        best_px,
+        sufficient: None,
     })
 }
 

@@ -20,6 +20,7 @@ mod rows;
 mod scales;
 pub mod seam;
 mod sights;
+mod sufficient;
 mod tone;
 mod verify;
 
@@ -32,6 +33,7 @@ pub use output_map::output_map;
 pub use parallel::stitch_bands;
 pub use scales::{Scales, ScalesError, ScalesReport, scales_svg};
 pub use sights::seen_pixels;
+pub use sufficient::Sufficient;
 pub use tone::ToneError;
 pub use verify::{FormatResult, PixelError, Verification, VerifyError, verify};
 

@@ -33,7 +33,7 @@ impl<'a> Seam<'a> {
 }
 
 /// What both eyes see of one output row.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct SightRow {
     /// Source positions of the left and the right eye, px; [`HIDDEN`] where the eye sees nothing.
     /// An eye that [`Seam::Nearer`] gives no weight may be hidden where it sees something.
@@ -73,8 +73,12 @@ impl<'a> Sights<'a> {
     /// One row of both eyes.
     pub fn row(&self, y: usize) -> SightRow {
         let direction = self.rays.row(y);
-        let mut row = SightRow::default();
-        for x in 0..self.size_px[0] {
+        let width = self.size_px[0];
+        let mut row = SightRow {
+            positions: [Vec::with_capacity(width), Vec::with_capacity(width)],
+            weights: Vec::with_capacity(width),
+        };
+        for x in 0..width {
             let ([left, right], weight) =
                 direction(x).map_or(([HIDDEN; 2], f64::NAN), |direction| self.pixel(&direction));
             row.positions[0].push(left);

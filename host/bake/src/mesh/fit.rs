@@ -122,12 +122,18 @@ struct Round {
 /// Rows of an output handled at a time: as many as the coarsest cell has.
 const BLOCK_ROWS: usize = 32;
 
-/// Calls `each` for blocks of rows from the top: the number of the first one, and positions and weights
-/// of the shown pixels of each row. Weights are empty where all are 1.
+/// The shown pixels of a row, from left to right.
+struct ShownRow<'a> {
+    positions: Cow<'a, [[f64; 2]]>,
+    /// Empty where all are 1.
+    weights: Vec<f64>,
+}
+
+/// Calls `each` for blocks of rows from the top, with the number of the first one.
 fn for_each_block(
     targets: &Targets<'_>,
     rounds: &[Round],
-    mut each: impl FnMut(usize, &[(Cow<'_, [[f64; 2]]>, Vec<f64>)]),
+    mut each: impl FnMut(usize, &[ShownRow<'_>]),
 ) {
     let meshes: Vec<(Mesh<'_>, &Round)> = rounds
         .iter()
@@ -139,7 +145,7 @@ fn for_each_block(
         let positions = targets.positions(rows.clone());
         let rows = positions.into_iter().zip(rows).map(|(positions, y)| {
             let weights = weights(targets.spans(y), y, &positions, &meshes);
-            (positions, weights)
+            ShownRow { positions, weights }
         });
         each(first, &rows.collect::<Vec<_>>());
     }
@@ -173,7 +179,7 @@ fn weights(
 fn mean_weight(targets: &Targets<'_>, rounds: &[Round], shown_px: usize) -> f64 {
     let mut sum = 0.0;
     for_each_block(targets, rounds, |_, rows| {
-        for weight in rows.iter().flat_map(|(_, weights)| weights) {
+        for weight in rows.iter().flat_map(|row| &row.weights) {
             sum += weight;
         }
     });
@@ -208,8 +214,8 @@ fn for_each_error(
 fn errors(mesh: &Mesh<'_>, targets: &Targets<'_>, shown_px: usize) -> (f64, f64) {
     let (mut max, mut squares) = (0.0f64, 0.0);
     for_each_block(targets, &[], |first, rows| {
-        for ((positions, _), y) in rows.iter().zip(first..) {
-            for_each_error(mesh, targets.spans(y), y, positions, |error| {
+        for (row, y) in rows.iter().zip(first..) {
+            for_each_error(mesh, targets.spans(y), y, &row.positions, |error| {
                 max = max.max(error);
                 squares += error * error;
             });
@@ -329,17 +335,17 @@ impl Local {
         grid: &Grid,
         targets: &Targets<'_>,
         top: usize,
-        rows: &[(Cow<'_, [[f64; 2]]>, Vec<f64>)],
+        rows: &[ShownRow<'_>],
         weights: &[[f64; 4]],
         whole: &LocalMatrix,
     ) -> Vec<Self> {
         let cell_of = |x: usize| (x >> grid.step_log2) - grid.first_cell[0];
         let mut locals = vec![Self::ZERO; grid.cells[0]];
         let mut shown_px = vec![0; grid.cells[0]];
-        for (y, (_, of_pixels)) in (top..).zip(rows) {
+        for (y, row) in (top..).zip(rows) {
             let spans = targets.spans(y).iter().cloned();
             // Weights other than 1 have no matrix in common.
-            for x in spans.flatten().filter(|_| of_pixels.is_empty()) {
+            for x in spans.flatten().filter(|_| row.weights.is_empty()) {
                 shown_px[cell_of(x)] += 1;
             }
         }
@@ -352,10 +358,10 @@ impl Local {
         {
             local.matrix = *whole;
         }
-        for ((y, (positions, of_pixels)), wy) in (top..).zip(rows).zip(weights) {
+        for ((y, row), wy) in (top..).zip(rows).zip(weights) {
             let columns = targets.spans(y).iter().cloned().flatten();
-            for ((x, target), i) in columns.zip(positions.iter()).zip(0..) {
-                let weight = of_pixels.get(i).copied().unwrap_or(1.0);
+            for ((x, target), i) in columns.zip(row.positions.iter()).zip(0..) {
+                let weight = row.weights.get(i).copied().unwrap_or(1.0);
                 let cell = cell_of(x);
                 let w = products(&weights[x & (grid.step() - 1)], wy);
                 if !is_whole[cell] {

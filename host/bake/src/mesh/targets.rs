@@ -7,7 +7,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 /// Bytes of positions that are kept, for one eye: those of all pixels of a picture of 2048x1024. Others
-/// are traced again whenever they are needed, which takes a fifth longer in all and no memory.
+/// are traced again whenever they are needed.
 pub const KEPT_BYTES: usize = 32 << 20;
 
 /// Source positions of the pixels of a row (its number, and the columns that are shown), px.

@@ -39,7 +39,7 @@ fn fish_eye(
         let theta = cx.hypot(cy).atan2(cz);
         let k = focal * theta / cx.hypot(cy).max(1e-12);
         let centre = (source - 1.0) / 2.0;
-        (theta < 104f64.to_radians()).then(|| [centre + k * cx, centre + k * cy])
+        (theta < 104f64.to_radians()).then_some([centre + k * cx, centre + k * cy])
     }
 }
 
