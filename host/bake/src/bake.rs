@@ -3,17 +3,18 @@
 use rayon::prelude::*;
 use serde::Serialize;
 use tectum_optics::convention::angle_between;
-use tectum_optics::{OutputMap, Rig};
+use tectum_optics::{OutputMap, Rig, RowRays};
 use tectum_tables::builder::{RunData, RunsTooLong, TableBuilder};
 use tectum_tables::{TableError, Tables};
 
-use crate::mesh::{FittedMesh, Targets, fit};
+use crate::mesh::{FittedMesh, KEPT_BYTES, Targets, fit};
 use crate::metering::meter_pairs;
 use crate::output_map::{from_table, to_table};
 use crate::rays::eye_rays;
+use crate::rows::{RunRule, for_each_row};
 use crate::scales::ScalesReport;
-use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE};
-use crate::shown::{Joining, Shown};
+use crate::sights::{Seam, Sights, is_hidden};
+use crate::sufficient::{Sufficient, sufficient};
 use crate::tone::{ToneError, tone};
 
 /// Steps to try, coarsest first, as powers of two.
@@ -111,7 +112,7 @@ pub struct Owners {
 /// Least error that may be asked for: half a step of a mesh's finest positions.
 const MIN_ERROR_PX: f64 = 0.004;
 /// Greatest error that may be asked for.
-const MAX_ERROR_PX: f64 = 10.0;
+pub(crate) const MAX_ERROR_PX: f64 = 10.0;
 
 /// Why there is no table.
 #[derive(Debug, thiserror::Error)]
@@ -130,13 +131,7 @@ pub enum BakeError {
     /// No mesh is good enough.
     #[error(
         "{eye} eye: no mesh meets {wanted_px} px: {reached}. {}",
-        if *more_error_helps {
-            "Allow more with --max-error, or ask for a larger output (finer pixels bend less from \
-             vertex to vertex)"
-        } else {
-            "Ask for a larger output: its vertices lie closer together in the eye's picture. No \
-             --max-error helps"
-        }
+        advice(*best_px, sufficient.as_ref())
     )]
     Accuracy {
         /// Which eye.
@@ -145,8 +140,10 @@ pub enum BakeError {
         wanted_px: f64,
         /// What each step reached.
         reached: String,
-        /// Whether some step reached an error that may be asked for.
-        more_error_helps: bool,
+        /// The least error of any step; infinite if no step gives a mesh.
+        best_px: f64,
+        /// What would give a table, if it was looked for and found.
+        sufficient: Option<Sufficient>,
     },
     /// No output pixel shows either eye.
     #[error("no output pixel is seen by an eye: check the projection's axis and the field")]
@@ -162,27 +159,56 @@ pub enum BakeError {
     Proof(TableError),
 }
 
+/// What to do where no mesh is good enough.
+fn advice(best_px: f64, sufficient: Option<&Sufficient>) -> String {
+    let enough = sufficient.map_or_else(String::new, |enough| format!(" ({enough} suffices)"));
+    if best_px <= MAX_ERROR_PX {
+        format!(
+            "Allow more with --max-error{enough}, or ask for a larger output (finer pixels bend less \
+             from vertex to vertex)"
+        )
+    } else {
+        format!(
+            "Ask for a larger output{enough}: its vertices lie closer together in the eye's picture. \
+             No --max-error helps"
+        )
+    }
+}
+
 /// Bakes a table. A rig with `[stitching]` gives its seam, warp and tone, and metering pairs where
 /// both eyes are shown.
 ///
-/// The picture is traced in bands of rows. What is kept of each shown pixel is its source position, 16
-/// bytes an eye, and 8 more while a mesh is polished; meshes of the finest step need more than that for
-/// their equations.
+/// Pixels are traced in rows that share memory, and again where their positions are not kept, so that
+/// memory grows with the table and a row rather than with the picture: [`memory_bytes`](crate::memory_bytes).
 ///
 /// # Errors
-/// [`BakeError`]: an option out of range, or no table that meets it.
+/// [`BakeError`]: an option out of range, or no table that meets it. Up to 2048x1024 px, a few more bakes
+/// then find an error or a size that suffices.
 pub fn bake(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
+    let mut result = bake_as_asked(rig, options);
+    if let Err(BakeError::Accuracy {
+        best_px,
+        sufficient: found,
+        ..
+    }) = &mut result
+    {
+        *found = sufficient(rig, options, *best_px);
+    }
+    result
+}
+
+/// [`bake`], without looking for what would suffice.
+pub(crate) fn bake_as_asked(rig: &Rig, options: &BakeOptions) -> Result<Baked, BakeError> {
     check(options)?;
     // Traced through the table's own numbers, so that rounding them costs no accuracy.
     let output_map = to_table(&options.output).ok_or(BakeError::OutputMap)?;
     let output = from_table(&output_map, options.output.size_px);
     let options = &BakeOptions { output, ..*options };
-    let joining = match rig.stitching.as_ref().and_then(|s| s.seam.as_ref()) {
-        Some(_) => Joining::Fewer(SEAM_MAP_TOLERANCE),
-        None => Joining::Each(RAMP_TOLERANCE),
-    };
-    let Shown { rows, targets } = Shown::trace(rig, options, joining);
-    let [left, right] = meshes(rig, targets, options)?;
+    let seam = Seam::of(rig, options.feather_rad);
+    let sights = Sights::new(rig, &output, seam, margin_px(options));
+    let (rows, targets) = trace(&sights, RunRule::of(seam));
+    let [left, right] = meshes(rig, &targets, options)?;
+    drop(targets);
     if left.is_none() && right.is_none() {
         return Err(BakeError::Empty);
     }
@@ -239,10 +265,52 @@ fn check(options: &BakeOptions) -> Result<(), BakeError> {
     Ok(())
 }
 
+/// How far a position must be inside the border of what a bilinear box needs, px: one that is off by
+/// the allowed error and its rounding must still have its whole box.
+pub(crate) fn margin_px(options: &BakeOptions) -> f64 {
+    options.max_error_px + 1.0 / 128.0
+}
+
+/// Runs of all rows, and what each eye shows according to them.
+pub(crate) fn trace<'a>(
+    sights: &'a Sights<'_>,
+    rule: RunRule,
+) -> (Vec<Vec<RunData>>, [Targets<'a>; 2]) {
+    let mut targets = [0, 1].map(|eye| {
+        Targets::new(sights.size_px()[0], KEPT_BYTES, move |y, spans| {
+            let position = sights.positions(y, eye);
+            spans.iter().cloned().flatten().map(position).collect()
+        })
+    });
+    let mut rows = Vec::new();
+    let row = |y| sights.row(y);
+    for_each_row(sights.size_px(), row, rule, |runs, sights| {
+        for (eye, targets) in targets.iter_mut().enumerate() {
+            let mut first = 0;
+            let shown = runs.iter().flat_map(|run| {
+                let (len, shown) = match *run {
+                    RunData::Void(n) => (n, [false, false]),
+                    RunData::Left(n) => (n, [true, false]),
+                    RunData::Right(n) => (n, [false, true]),
+                    RunData::Blend(n, _) => (n, [true, true]),
+                };
+                let columns = first..first + usize::from(len);
+                first = columns.end;
+                if shown[eye] { columns } else { 0..0 }
+            });
+            let positions = &sights.positions[eye];
+            let shown = shown.map(|x| (x, positions[x]));
+            targets.push_row(shown.filter(|(_, position)| !is_hidden(position)));
+        }
+        rows.push(runs);
+    });
+    (rows, targets)
+}
+
 /// The coarsest mesh of each eye that meets the error.
 fn meshes(
     rig: &Rig,
-    targets: [Targets; 2],
+    targets: &[Targets<'_>; 2],
     options: &BakeOptions,
 ) -> Result<[Option<FittedMesh>; 2], BakeError> {
     let eyes = [("left", &rig.left), ("right", &rig.right)];
@@ -262,17 +330,17 @@ fn meshes(
 
 fn coarsest(
     eye: &'static str,
-    targets: &Targets,
+    targets: &Targets<'_>,
     source_size_px: [u16; 2],
     wanted_px: f64,
 ) -> Result<Option<FittedMesh>, BakeError> {
     let mut reached = Vec::new();
-    let mut more_error_helps = false;
+    let mut best_px = f64::INFINITY;
     for step_log2 in STEPS_LOG2 {
         let step = 1 << step_log2;
         match fit(targets, source_size_px, step_log2, wanted_px) {
             Ok(Some(mesh)) if mesh.max_error_px > wanted_px => {
-                more_error_helps |= mesh.max_error_px <= MAX_ERROR_PX;
+                best_px = best_px.min(mesh.max_error_px);
                 reached.push(format!("step {step} gives {:.3} px", mesh.max_error_px));
             }
             Ok(mesh) => return Ok(mesh),
@@ -283,7 +351,8 @@ fn coarsest(
         eye,
         wanted_px,
         reached: reached.join(", "),
-        more_error_helps,
+        best_px,
+        sufficient: None,
     })
 }
 
@@ -302,8 +371,10 @@ fn total_error(meshes: &[&Option<FittedMesh>]) -> ErrorSummary {
 /// How far the rig's bend moves what is shown, over all shown pixels and eyes; `None` without one.
 fn bend_deg(rig: &Rig, output: &OutputMap, rows: &[Vec<RunData>]) -> Option<ErrorSummary> {
     let warp = rig.stitching.as_ref()?.warp.as_ref()?;
+    let rays = RowRays::new(output);
     let of_row = |(y, runs): (usize, &Vec<RunData>)| {
         let (mut max, mut squares, mut count) = (0.0f64, 0.0, 0usize);
+        let ray = rays.row(y);
         let mut x = 0;
         for run in runs {
             let (len, eyes) = match *run {
@@ -312,21 +383,24 @@ fn bend_deg(rig: &Rig, output: &OutputMap, rows: &[Vec<RunData>]) -> Option<Erro
                 RunData::Right(len) => (len, 1..2),
                 RunData::Blend(len, _) => (len, 0..2),
             };
-            let pixels = (x..x + usize::from(len)).filter_map(|x| output.ray(x as f64, y as f64));
-            for (ray, eye) in pixels.flat_map(|ray| eyes.clone().map(move |eye| (ray, eye))) {
-                let by_deg = angle_between(&warp.bent(eye, &ray), &ray).to_degrees();
-                max = max.max(by_deg);
-                squares += by_deg * by_deg;
-                count += 1;
+            let columns = x..x + usize::from(len);
+            x = columns.end;
+            for ray in columns.filter(|_| !eyes.is_empty()).filter_map(&ray) {
+                for bent in &warp.bent_of_both(&ray)[eyes.clone()] {
+                    let by_deg = angle_between(bent, &ray).to_degrees();
+                    max = max.max(by_deg);
+                    squares += by_deg * by_deg;
+                    count += 1;
+                }
             }
-            x += usize::from(len);
         }
         (max, squares, count)
     };
-    let (max, squares, count) = rows.par_iter().enumerate().map(of_row).reduce(
-        || (0.0, 0.0, 0),
-        |a, b| (a.0.max(b.0), a.1 + b.1, a.2 + b.2),
-    );
+    let rows: Vec<(f64, f64, usize)> = rows.par_iter().enumerate().map(of_row).collect();
+    // From the top, so that the sum is the same on every machine.
+    let (max, squares, count) = rows.into_iter().fold((0.0f64, 0.0, 0), |a, b| {
+        (a.0.max(b.0), a.1 + b.1, a.2 + b.2)
+    });
     Some(ErrorSummary {
         max,
         rms: (squares / count.max(1) as f64).sqrt(),

@@ -2,7 +2,7 @@
 
 use tectum_optics::{OutputMap, Projection, ProjectionError, Rig, ViewRange};
 
-use crate::sights::Sights;
+use crate::sights::seen_pixels;
 
 /// Columns and rows of the grid that the borders lie on: 2 degrees for a whole sphere. The search
 /// takes the fifth power of the rows.
@@ -42,10 +42,9 @@ pub fn fitted_range(
     }
     projection.whole_range()?;
     let map = projection.output_map(GRID_PX)?;
-    let seen: Vec<bool> = Sights::trace(rig, &map, MARGIN_PX)
-        .pixels
+    let seen: Vec<bool> = seen_pixels(rig, &map, MARGIN_PX)
         .iter()
-        .map(|sights| sights.iter().any(Option::is_some))
+        .map(|eyes| eyes.contains(&true))
         .collect();
     let cells = largest(&seen, &row_weights(&map), GRID_SHARE * max_void);
     let Cells {

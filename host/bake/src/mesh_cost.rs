@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 use tectum_optics::{OutputMap, Rig};
 
-use crate::bake::{BakeOptions, STEPS_LOG2};
+use crate::bake::{BakeOptions, STEPS_LOG2, margin_px, trace};
 use crate::mesh::{Targets, fit};
+use crate::rows::RunRule;
 use crate::seam::SEAM_MAP_TOLERANCE;
-use crate::shown::{Joining, Shown};
+use crate::sights::{Seam, Sights};
 
 /// Step of the mesh that is tried on fewer pixels, as a power of two: the finest there is.
 const TRIED_STEP_LOG2: u32 = 3;
@@ -18,7 +19,7 @@ const TRIED_STEP_LOG2: u32 = 3;
 /// a little less, by a few hundredths of itself; the bytes are those of the table but for a mesh
 /// that is right at the limit.
 pub fn mesh_bytes(rig: &Rig, options: &BakeOptions) -> Option<usize> {
-    let of_eye = |eye: usize, targets: &Targets| {
+    let of_eye = |eye: usize, targets: &Targets<'_>| {
         let source = [&rig.left, &rig.right][eye].as_ref()?.eye.size_px;
         match fit(targets, source, TRIED_STEP_LOG2, options.max_error_px) {
             Ok(None) => Some(0),
@@ -30,14 +31,13 @@ pub fn mesh_bytes(rig: &Rig, options: &BakeOptions) -> Option<usize> {
     };
     let mut bytes = [0, 1].map(|eye: usize| [&rig.left, &rig.right][eye].is_none().then_some(0));
     for step_log2 in STEPS_LOG2 {
-        let fewer = BakeOptions {
-            output: with_larger_pixels(&options.output, step_log2 - TRIED_STEP_LOG2),
-            ..*options
-        };
-        let shown = Shown::trace(rig, &fewer, Joining::Each(SEAM_MAP_TOLERANCE));
+        let fewer = with_larger_pixels(&options.output, step_log2 - TRIED_STEP_LOG2);
+        let seam = Seam::of(rig, options.feather_rad);
+        let sights = Sights::new(rig, &fewer, seam, margin_px(options));
+        let (_, targets) = trace(&sights, RunRule::exact(SEAM_MAP_TOLERANCE));
         let found: Vec<Option<usize>> = (0..2)
             .into_par_iter()
-            .map(|eye| bytes[eye].or_else(|| of_eye(eye, &shown.targets[eye])))
+            .map(|eye| bytes[eye].or_else(|| of_eye(eye, &targets[eye])))
             .collect();
         bytes = [found[0], found[1]];
         if let [Some(left), Some(right)] = bytes {

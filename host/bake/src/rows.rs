@@ -1,10 +1,12 @@
 //! The runs of all output rows, and fewer different rows where a seam's transition may move a little.
 
+use std::collections::VecDeque;
+
 use rayon::prelude::*;
 use tectum_tables::builder::RunData;
 
-use crate::seam::row_runs;
-use crate::sights::Sights;
+use crate::seam::{RAMP_TOLERANCE, SEAM_MAP_TOLERANCE, row_runs};
+use crate::sights::{Seam, SightRow, is_hidden};
 
 /// How far the transition of a seam map may move along a row so that rows can share their runs: a
 /// pixel for this many of the output's width, and at least one. A seam is cut where both eyes look
@@ -13,140 +15,214 @@ use crate::sights::Sights;
 const WIDTH_PER_SHIFT_PX: usize = 1024;
 /// Rows that share their runs, at most: bounds the work where a seam runs straight down.
 const MAX_SHARING: usize = 32;
+/// Rows traced beside each other: enough for all threads, and few enough to hold.
+const BAND_ROWS: usize = 32;
+/// Rows held at a time, at most: up and down from those that may share their runs lie those from which
+/// the widest picture's weights may come, and a band is traced as soon as one of them is missing.
+pub const MAX_HELD_ROWS: usize = MAX_SHARING + BAND_ROWS + 8;
 
-/// The left eye's weight at every pixel of a band of rows; NaN where neither eye sees anything.
-pub struct Weights {
-    width_px: usize,
-    values: Vec<f64>,
+/// How the weights of a picture's rows become runs.
+#[derive(Debug, Clone, Copy)]
+pub struct RunRule {
+    /// Greatest departure of a run from the exact weights.
+    tolerance: f64,
+    /// Whether neighbouring rows are made equal wherever one row's runs serve the others: no weight
+    /// is farther than the tolerance beyond what lies a shift away ([`WIDTH_PER_SHIFT_PX`]), and no eye
+    /// shows what it does not see. A table stores equal rows once.
+    sharing: bool,
 }
 
-impl Weights {
-    /// From a function of column, row and the angles off both optical axes.
-    pub fn new(
-        sights: &Sights,
-        weight: impl Fn(usize, usize, [Option<f64>; 2]) -> Option<f64> + Sync,
-    ) -> Self {
-        let width = sights.width_px;
-        let of_pixel = |i: usize| {
-            let off_axis = sights.pixels[i].map(|sight| sight.map(|s| s.off_axis_rad));
-            weight(i % width, sights.first_row + i / width, off_axis).unwrap_or(f64::NAN)
-        };
-        Self {
-            width_px: width,
-            values: (0..sights.pixels.len())
-                .into_par_iter()
-                .map(of_pixel)
-                .collect(),
+impl RunRule {
+    /// What suits a seam.
+    pub fn of(seam: Seam<'_>) -> Self {
+        match seam {
+            Seam::Nearer(_) => Self::exact(RAMP_TOLERANCE),
+            Seam::Map(_) => Self {
+                tolerance: SEAM_MAP_TOLERANCE,
+                sharing: true,
+            },
         }
     }
 
-    /// Runs of every row, followed within `tolerance`.
-    pub fn rows(&self, tolerance: f64) -> Vec<Vec<RunData>> {
-        self.values
-            .par_chunks_exact(self.width_px)
-            .map(|row| {
-                let weights: Vec<Option<f64>> = row
-                    .iter()
-                    .map(|weight| (!weight.is_nan()).then_some(*weight))
-                    .collect();
-                row_runs(&weights, tolerance)
-            })
-            .collect()
+    /// Every row followed within `tolerance`, on its own.
+    pub fn exact(tolerance: f64) -> Self {
+        Self {
+            tolerance,
+            sharing: false,
+        }
+    }
+}
+
+/// Calls `each` for all rows from the top, with their runs. `trace` gives a row of `size_px`; it is
+/// called once a row, for some dozens of rows at a time, which are all that is held.
+pub fn for_each_row(
+    size_px: [usize; 2],
+    trace: impl Fn(usize) -> SightRow + Sync,
+    rule: RunRule,
+    mut each: impl FnMut(Vec<RunData>, &SightRow),
+) {
+    let [width, height] = size_px;
+    let mut window = Window::new(width, height, rule);
+    let mut first = 0;
+    while first < height {
+        window.fill(first, &trace);
+        let count = window.sharing(first);
+        let runs = window.row(first + (count - 1) / 2).runs.clone();
+        for y in first..first + count {
+            each(runs.clone(), &window.row(y).sights);
+        }
+        first += count;
+    }
+}
+
+/// The rows that decide about the next ones.
+struct Window {
+    width: usize,
+    height: usize,
+    rule: RunRule,
+    shift_px: usize,
+    /// Number of the first row that is held.
+    top: usize,
+    rows: VecDeque<WindowRow>,
+}
+
+struct WindowRow {
+    sights: SightRow,
+    runs: Vec<RunData>,
+    /// Least and greatest weight that each pixel may have; empty until it is known.
+    ranges: Vec<[f64; 2]>,
+}
+
+impl Window {
+    fn new(width: usize, height: usize, rule: RunRule) -> Self {
+        Self {
+            width,
+            height,
+            rule,
+            shift_px: match rule.sharing {
+                true => (width / WIDTH_PER_SHIFT_PX).max(1),
+                false => 0,
+            },
+            top: 0,
+            rows: VecDeque::new(),
+        }
     }
 
-    /// The same with neighbouring rows made equal wherever one row's runs serve the others: no weight
-    /// is farther than `tolerance` beyond what lies a shift away ([`WIDTH_PER_SHIFT_PX`]), and no eye
-    /// shows what it does not see. A table stores equal rows once.
-    ///
-    /// The rows begin at the band's row `from`, above which [`rows_above`] others are needed, but at
-    /// the picture's top. Unless the band ends with the picture, some rows at its end are left to the
-    /// next band.
-    pub fn fewer_rows(
-        &self,
-        tolerance: f64,
-        sights: &Sights,
-        from: usize,
-        is_last: bool,
-    ) -> Vec<Vec<RunData>> {
-        let rows = self.rows(tolerance);
-        let shift_px = shift_px(self.width_px);
-        let ranges: Vec<Vec<[f64; 2]>> = (0..rows.len())
-            .into_par_iter()
-            .map(|row| self.ranges(row, shift_px, tolerance))
-            .collect();
-        let serves = |row: usize, runs: &[RunData]| {
-            let seen = sights.row(sights.first_row + row);
-            shown(runs)
-                .zip(&ranges[row])
-                .zip(seen)
-                .all(|((weight, [low, high]), [left, right])| match weight {
-                    None => left.is_none() && right.is_none(),
-                    Some(weight) => {
-                        (*low..=*high).contains(&weight)
-                            && (left.is_some() || weight == 0.0)
-                            && (right.is_some() || weight == 1.0)
+    fn row(&self, y: usize) -> &WindowRow {
+        &self.rows[y - self.top]
+    }
+
+    /// Rows up and down from which a weight may come.
+    fn reach(&self) -> usize {
+        self.shift_px / 2
+    }
+
+    /// Traces what is missing of the rows that decide about those from `first` on, and drops what
+    /// lies before them.
+    fn fill(&mut self, first: usize, trace: &(impl Fn(usize) -> SightRow + Sync)) {
+        while self.top + self.reach() < first {
+            self.rows.pop_front();
+            self.top += 1;
+        }
+        let asked = if self.rule.sharing { MAX_SHARING } else { 1 };
+        let mut end = self.top + self.rows.len();
+        if end >= self.height.min(first + asked + self.reach()) {
+            return;
+        }
+        while end < self.height.min(first + asked + self.reach()) {
+            let band = end..self.height.min(end + BAND_ROWS);
+            end = band.end;
+            let traced: Vec<WindowRow> = band
+                .into_par_iter()
+                .map(|y| {
+                    let sights = trace(y);
+                    let runs = row_runs(&sights.weights, self.rule.tolerance);
+                    WindowRow {
+                        sights,
+                        runs,
+                        ranges: Vec::new(),
                     }
                 })
-        };
-        let needed_below = if is_last {
-            1
-        } else {
-            MAX_SHARING + rows_above(self.width_px)
-        };
-        let mut shared = Vec::with_capacity(rows.len());
-        while from + shared.len() + needed_below <= rows.len() {
-            let first = from + shared.len();
-            let most = MAX_SHARING.min(rows.len() - first);
-            let middle = |count: usize| first + (count - 1) / 2;
-            let count = (2..=most)
-                .take_while(|count| {
-                    let runs = &rows[middle(*count)];
-                    (first..first + count).all(|row| serves(row, runs))
-                })
-                .last()
-                .unwrap_or(1);
-            let runs = &rows[middle(count)];
-            shared.extend(std::iter::repeat_n(runs, count).cloned());
+                .collect();
+            self.rows.extend(traced);
         }
-        shared
+        if self.rule.sharing {
+            self.find_ranges();
+        }
     }
 
-    /// Least and greatest weight that each pixel of a row may have: of what lies within `shift_px`,
-    /// and `tolerance`.
-    fn ranges(&self, row: usize, shift_px: usize, tolerance: f64) -> Vec<[f64; 2]> {
-        let width = self.width_px;
-        let height = self.values.len() / width;
-        let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; width];
-        let most_px = rows_above(width);
-        for other in row.saturating_sub(most_px)..(row + most_px + 1).min(height) {
-            let down_px = row.abs_diff(other);
-            let across_px = (shift_px * shift_px - down_px * down_px).isqrt();
-            let values = &self.values[other * width..(other + 1) * width];
+    /// Ranges of the rows whose neighbours are all there.
+    fn find_ranges(&mut self) {
+        let end = self.top + self.rows.len();
+        let known = if end == self.height {
+            end
+        } else {
+            end - self.reach()
+        };
+        let unknown: Vec<usize> = (self.top..known)
+            .filter(|y| self.row(*y).ranges.is_empty())
+            .collect();
+        let ranges: Vec<Vec<[f64; 2]>> = unknown.par_iter().map(|y| self.ranges(*y)).collect();
+        for (y, ranges) in unknown.into_iter().zip(ranges) {
+            self.rows[y - self.top].ranges = ranges;
+        }
+    }
+
+    /// How many rows from `first` on the runs of their middle one serve.
+    fn sharing(&self, first: usize) -> usize {
+        if !self.rule.sharing {
+            return 1;
+        }
+        let most = MAX_SHARING.min(self.height - first);
+        (2..=most)
+            .take_while(|count| {
+                let runs = &self.row(first + (count - 1) / 2).runs;
+                (first..first + count).all(|y| self.row(y).is_served_by(runs))
+            })
+            .last()
+            .unwrap_or(1)
+    }
+
+    /// Least and greatest weight that each pixel of a row may have: of what lies within the shift,
+    /// and the tolerance.
+    fn ranges(&self, y: usize) -> Vec<[f64; 2]> {
+        let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; self.width];
+        for other in y.saturating_sub(self.reach())..(y + self.reach() + 1).min(self.height) {
+            let down_px = y.abs_diff(other);
+            let across_px = (self.shift_px * self.shift_px - down_px * down_px).isqrt();
+            let weights = &self.row(other).sights.weights;
             for (x, [low, high]) in ranges.iter_mut().enumerate() {
-                let near = x.saturating_sub(across_px)..(x + across_px + 1).min(width);
+                let near = x.saturating_sub(across_px)..(x + across_px + 1).min(self.width);
                 // NaN is passed over by both.
-                for value in &values[near] {
-                    *low = low.min(*value);
-                    *high = high.max(*value);
+                for weight in &weights[near] {
+                    *low = low.min(*weight);
+                    *high = high.max(*weight);
                 }
             }
         }
         for [low, high] in &mut ranges {
-            *low -= tolerance;
-            *high += tolerance;
+            *low -= self.rule.tolerance;
+            *high += self.rule.tolerance;
         }
         ranges
     }
 }
 
-/// How far a transition may move, px.
-fn shift_px(width_px: usize) -> usize {
-    (width_px / WIDTH_PER_SHIFT_PX).max(1)
-}
-
-/// Rows above and below that the runs of a row depend on where rows are made equal.
-pub fn rows_above(width_px: usize) -> usize {
-    shift_px(width_px) / 2
+impl WindowRow {
+    fn is_served_by(&self, runs: &[RunData]) -> bool {
+        let [left, right] = &self.sights.positions;
+        shown(runs)
+            .zip(&self.ranges)
+            .zip(left.iter().zip(right))
+            .all(|((weight, [low, high]), (left, right))| {
+                let [left, right] = [left, right].map(|position| !is_hidden(position));
+                weight.map_or(!left && !right, |weight| {
+                    (*low..=*high).contains(&weight)
+                        && (left || weight == 0.0)
+                        && (right || weight == 1.0)
+                })
+            })
+    }
 }
 
 /// The left eye's weight at each pixel of a row as its runs have it; `None` where nothing is shown.
@@ -171,38 +247,51 @@ fn shown(runs: &[RunData]) -> impl Iterator<Item = Option<f64>> + '_ {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::seam::SEAM_MAP_TOLERANCE;
-    use crate::sights::Sight;
+    use crate::sights::HIDDEN;
+
+    const SHARING: RunRule = RunRule {
+        tolerance: SEAM_MAP_TOLERANCE,
+        sharing: true,
+    };
+
+    /// Runs of all rows of a picture whose left eye sees all, and whose right eye sees the columns
+    /// from `first_right` on.
+    fn rows(
+        size_px: [usize; 2],
+        first_right: usize,
+        weight: impl Fn(usize, usize) -> f64 + Sync,
+        rule: RunRule,
+    ) -> Vec<Vec<RunData>> {
+        let columns = || 0..size_px[0];
+        let row = |y: usize| SightRow {
+            positions: [0, first_right].map(|first| {
+                let position = |x| if x >= first { [1.0; 2] } else { HIDDEN };
+                columns().map(position).collect()
+            }),
+            weights: columns().map(|x| weight(x, y)).collect(),
+        };
+        let mut rows = Vec::new();
+        for_each_row(size_px, row, rule, |runs, _| rows.push(runs));
+        rows
+    }
 
     /// A seam that leans by a fifth of a pixel a row; both eyes see all but the first 20 columns,
     /// which the left eye alone sees.
-    fn leaning() -> (Weights, Sights) {
-        let (width, height) = (64, 40);
-        let sight = Some(Sight {
-            pixel: [1.0; 2],
-            off_axis_rad: 1.0,
-        });
-        let pixel = |i: usize| [sight, sight.filter(|_| i % width >= 20)];
-        let sights = Sights {
-            width_px: width,
-            first_row: 0,
-            pixels: (0..width * height).map(pixel).collect(),
-        };
-        let weights = Weights::new(&sights, |x, y, [left, right]| {
+    fn leaning(rule: RunRule) -> Vec<Vec<RunData>> {
+        let weight = |x: usize, y: usize| {
             let cut = 22.0 + y as f64 / 5.0;
-            match (left, right) {
-                (Some(_), Some(_)) => Some((0.5 - (x as f64 - cut) / 4.0).clamp(0.0, 1.0)),
-                _ => Some(1.0),
+            match x >= 20 {
+                true => (0.5 - (x as f64 - cut) / 4.0).clamp(0.0, 1.0),
+                false => 1.0,
             }
-        });
-        (weights, sights)
+        };
+        rows([64, 40], 20, weight, rule)
     }
 
     #[test]
     fn rows_share_runs_that_serve_them_all() {
-        let (weights, sights) = leaning();
-        let exact = weights.rows(SEAM_MAP_TOLERANCE);
-        let shared = weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights, 0, true);
+        let exact = leaning(RunRule::exact(SEAM_MAP_TOLERANCE));
+        let shared = leaning(SHARING);
         let different = |rows: &[Vec<RunData>]| {
             let mut rows = rows.to_vec();
             rows.dedup();
@@ -230,21 +319,15 @@ mod tests {
     /// Where a seam lies nearly level, one row's transition is the next one's a pixel higher.
     #[test]
     fn rows_along_a_level_seam_share_runs_too() {
-        let (width_px, height) = (2 * WIDTH_PER_SHIFT_PX, 24);
-        let (_, sights) = leaning();
-        let sights = Sights {
-            width_px,
-            first_row: 0,
-            pixels: vec![sights.pixels[20]; width_px * height],
-        };
+        let size_px = [2 * WIDTH_PER_SHIFT_PX, 24];
         let at = |x: usize, y: f64| (0.5 - (y - 8.0 - x as f64 / 256.0) / 8.0).clamp(0.0, 1.0);
-        let weights = Weights::new(&sights, |x, y, _| Some(at(x, y as f64)));
+        let rows = |rule| rows(size_px, 0, |x, y| at(x, y as f64), rule);
         let different = |mut rows: Vec<Vec<RunData>>| {
             rows.dedup();
             rows.len()
         };
-        let exact = different(weights.rows(SEAM_MAP_TOLERANCE));
-        let rows = weights.fewer_rows(SEAM_MAP_TOLERANCE, &sights, 0, true);
+        let exact = different(rows(RunRule::exact(SEAM_MAP_TOLERANCE)));
+        let rows = rows(SHARING);
         for (y, runs) in rows.iter().enumerate() {
             for (x, weight) in shown(runs).enumerate() {
                 let weight = weight.unwrap();

@@ -28,8 +28,9 @@ pub fn left_weight(left_rad: Option<f64>, right_rad: Option<f64>, feather_rad: f
     }
 }
 
-/// Runs of one output row from the left eye's weight at each pixel, followed within `tolerance`.
-pub fn row_runs(weights: &[Option<f64>], tolerance: f64) -> Vec<RunData> {
+/// Runs of one output row from the left eye's weight at each pixel, NaN where neither eye sees
+/// anything, followed within `tolerance`.
+pub fn row_runs(weights: &[f64], tolerance: f64) -> Vec<RunData> {
     let mut runs = Vec::new();
     let mut start = 0;
     while start < weights.len() {
@@ -43,10 +44,7 @@ pub fn row_runs(weights: &[Option<f64>], tolerance: f64) -> Vec<RunData> {
             Owner::Void => runs.push(RunData::Void(same as u16)),
             Owner::Left => runs.push(RunData::Left(same as u16)),
             Owner::Right => runs.push(RunData::Right(same as u16)),
-            Owner::Both => {
-                let weights: Vec<f64> = run.iter().flatten().copied().collect();
-                runs.extend(ramps(&weights, tolerance));
-            }
+            Owner::Both => runs.extend(ramps(run, tolerance)),
         }
         start += same;
     }
@@ -62,12 +60,12 @@ enum Owner {
 }
 
 impl Owner {
-    fn of(left_weight: Option<f64>) -> Self {
+    fn of(left_weight: f64) -> Self {
         match left_weight {
-            None => Self::Void,
-            Some(w) if w >= 1.0 - NEGLIGIBLE => Self::Left,
-            Some(w) if w <= NEGLIGIBLE => Self::Right,
-            Some(_) => Self::Both,
+            w if w.is_nan() => Self::Void,
+            w if w >= 1.0 - NEGLIGIBLE => Self::Left,
+            w if w <= NEGLIGIBLE => Self::Right,
+            _ => Self::Both,
         }
     }
 }
@@ -126,8 +124,8 @@ mod tests {
 
     #[test]
     fn a_straight_transition_is_one_run() {
-        let weights: Vec<Option<f64>> = (0..20)
-            .map(|x| Some(((f64::from(x) - 4.5) / 10.0).clamp(0.0, 1.0)))
+        let weights: Vec<f64> = (0..20)
+            .map(|x| ((f64::from(x) - 4.5) / 10.0).clamp(0.0, 1.0))
             .collect();
         let runs = row_runs(&weights, RAMP_TOLERANCE);
         assert_eq!(
@@ -142,10 +140,14 @@ mod tests {
 
     #[test]
     fn runs_add_up_and_follow_the_weights() {
-        let weights: Vec<Option<f64>> = (0..200)
+        let weights: Vec<f64> = (0..200)
             .map(|x| {
                 let w = 0.5 + 0.7 * (f64::from(x) * 0.07).sin();
-                (x % 50 > 3).then_some(w.clamp(0.0, 1.0))
+                if x % 50 > 3 {
+                    w.clamp(0.0, 1.0)
+                } else {
+                    f64::NAN
+                }
             })
             .collect();
         let mut x = 0;
@@ -161,7 +163,8 @@ mod tests {
                     let [a, b] = edges.map(|e| f64::from(u16::from(e) + u16::from(e >> 7)) / 256.0);
                     a + (b - a) * (f64::from(i) + 0.5) / f64::from(len)
                 });
-                match (shown, weights[x]) {
+                let weight = Some(weights[x]).filter(|w| !w.is_nan());
+                match (shown, weight) {
                     // The ramp's tolerance and the rounding of both edges to 1/256.
                     (Some(shown), Some(w)) => {
                         assert!((shown - w).abs() < RAMP_TOLERANCE + 1.5 / 256.0);

@@ -184,18 +184,18 @@ impl ModelPositions<'_> {
     }
 }
 
-/// Calls `f(eye, x, y)` for every shown pixel of every eye, row by row in parallel, and returns
-/// what it gives.
-fn over_shown<T: Send>(
+/// Greatest, sum, sum of squares and number of what `f(eye, x, y)` gives for the shown pixels of every
+/// eye. Rows are summed up from the top: the same on every machine.
+fn over_shown(
     tables: &Tables<'_>,
     single_only: bool,
-    f: impl Fn(Eye, usize, usize) -> Option<T> + Sync,
-) -> Vec<T> {
-    (0..tables.output_height_px())
+    f: impl Fn(Eye, usize, usize) -> Option<f64> + Sync,
+) -> Sums {
+    let rows: Vec<Sums> = (0..tables.output_height_px())
         .into_par_iter()
-        .flat_map_iter(|y| {
-            let f = &f;
-            tables.runs(y).flat_map(move |run| {
+        .map(|y| {
+            let mut sums = Sums::default();
+            for run in tables.runs(y) {
                 let eyes: &[Eye] = match run.kind {
                     RunKind::Void => &[],
                     RunKind::Left => &[Eye::Left],
@@ -203,15 +203,42 @@ fn over_shown<T: Send>(
                     RunKind::Blend(_) if single_only => &[],
                     RunKind::Blend(_) => &Eye::BOTH,
                 };
-                let columns = run.start as usize..(run.start + run.len) as usize;
-                eyes.iter().flat_map(move |eye| {
-                    columns
-                        .clone()
-                        .filter_map(move |x| f(*eye, x, usize::from(y)))
-                })
-            })
+                for eye in eyes {
+                    let columns = run.start as usize..(run.start + run.len) as usize;
+                    for value in columns.filter_map(|x| f(*eye, x, usize::from(y))) {
+                        sums = sums.with(Sums {
+                            max: value,
+                            sum: value,
+                            squares: value * value,
+                            count: 1,
+                        });
+                    }
+                }
+            }
+            sums
         })
-        .collect()
+        .collect();
+    rows.into_iter().fold(Sums::default(), Sums::with)
+}
+
+/// Of values that are not negative.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    max: f64,
+    sum: f64,
+    squares: f64,
+    count: usize,
+}
+
+impl Sums {
+    fn with(self, other: Self) -> Self {
+        Self {
+            max: self.max.max(other.max),
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+            count: self.count + other.count,
+        }
+    }
 }
 
 fn coordinate_error(tables: &Tables<'_>, model: &ModelPositions<'_>) -> ErrorSummary {
@@ -221,8 +248,8 @@ fn coordinate_error(tables: &Tables<'_>, model: &ModelPositions<'_>) -> ErrorSum
         Some((tx - mx).hypot(ty - my))
     });
     ErrorSummary {
-        max: errors.iter().copied().fold(0.0, f64::max),
-        rms: (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt(),
+        max: errors.max,
+        rms: (errors.squares / errors.count.max(1) as f64).sqrt(),
     }
 }
 
@@ -245,8 +272,8 @@ fn differences(
         Some(distance(tables, eye, core[y * width + x], exact))
     });
     PixelError {
-        max: errors.iter().copied().fold(0.0, f64::max),
-        mean: errors.iter().sum::<f64>() / errors.len().max(1) as f64,
+        max: errors.max,
+        mean: errors.sum / errors.count.max(1) as f64,
     }
 }
 

@@ -15,7 +15,14 @@ const MAX_HALF_ANGLE_RAD: f64 = 179.0 * std::f64::consts::PI / 180.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     half_angles_rad: Vec<f64>,
+    /// Cosine of an angle off the axis above which every azimuth is inside, and below which every
+    /// one is outside: most rays need no angle.
+    surely_inside: f64,
+    surely_outside: f64,
 }
+
+/// Of the cosines in [`Field`]: far above the rounding of an angle and its cosine, 1e-15.
+const COSINE_MARGIN: f64 = 1e-9;
 
 /// A half-angle that is not between 0 and 179 degrees, or none at all.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -32,7 +39,16 @@ impl Field {
         if half_angles_rad.is_empty() || !half_angles_rad.iter().all(sound) {
             return Err(FieldError);
         }
-        Ok(Self { half_angles_rad })
+        let narrowest_rad = half_angles_rad
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let widest_rad = half_angles_rad.iter().copied().fold(0.0, f64::max);
+        Ok(Self {
+            half_angles_rad,
+            surely_inside: libm::cos(narrowest_rad) + COSINE_MARGIN,
+            surely_outside: libm::cos(widest_rad) - COSINE_MARGIN,
+        })
     }
 
     /// The samples, rad.
@@ -159,6 +175,16 @@ impl Eye {
         if !ray.iter().all(|v| v.is_finite()) {
             return Err(ModelError::NotARay.into());
         }
+        let length = ray.norm();
+        // The square of any other length may be 0 or infinite.
+        if (1e-100..1e100).contains(&length) {
+            if ray.z > length * self.field.surely_inside {
+                return Ok(());
+            }
+            if ray.z < length * self.field.surely_outside {
+                return Err(SightError::OutsideField);
+            }
+        }
         let off_axis = angle_between(ray, &Vector3::z());
         let azimuth = libm::atan2(ray.y, ray.x);
         if off_axis > self.field.half_angle_rad(azimuth) {
@@ -226,6 +252,27 @@ mod tests {
         assert_eq!(eye.project(&down), Err(SightError::OffSensor));
         let right = Vector3::new(libm::sin(1.9), 0.0, libm::cos(1.9));
         assert_eq!(eye.project(&right), Err(SightError::OutsideField));
+    }
+
+    /// Near the border, too, where the angle itself decides, and for rays of any length.
+    #[test]
+    fn a_ray_is_inside_up_to_the_fields_half_angle() {
+        for half_deg in [1e-4, 0.5, 60.0, 90.0, 105.0, 179.0f64] {
+            let half = half_deg.to_radians();
+            let eye = Eye {
+                field: Field::new(vec![half]).unwrap(),
+                ..eye([2000, 2000])
+            };
+            for off in [1e-3, 1e-7, 1e-9, 1e-10, 1e-12].map(|off| off * half.min(0.01)) {
+                for length in [1.0, 1e-3, 1e-120, 1e120] {
+                    let [inside, outside] =
+                        [half - off, half + off].map(|theta| ray_at(theta, 0.3) * length);
+                    assert_eq!(eye.check_field(&inside), Ok(()), "{half_deg} {off}");
+                    let outside = eye.check_field(&outside);
+                    assert_eq!(outside, Err(SightError::OutsideField), "{half_deg} {off}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -23,7 +23,7 @@ pub use front_element::{FrontElement, FrontElementError, InWater, WATER_INDEX};
 pub use limited::read_limited;
 pub use mount_fit::MountFit;
 pub use pose::{Pose, Side, rotation_vector, vector_of_rotation};
-pub use projection::{OutputMap, Projection, ProjectionError, ViewFormula, ViewRange};
+pub use projection::{OutputMap, Projection, ProjectionError, RowRays, ViewFormula, ViewRange};
 pub use rig::{
     CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, RigOfEyeFiles,
     SeamMap, Stitching, StitchingFile, WarpMap, direction_at,

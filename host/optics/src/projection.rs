@@ -1,8 +1,10 @@
 //! What the stitched picture is: output pixel to direction and back, and nothing else.
 
 mod range;
+mod rows;
 
 pub use range::ViewRange;
+pub use rows::RowRays;
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -320,6 +322,19 @@ mod tests {
             }
         }
         maps
+    }
+
+    #[test]
+    fn rows_of_rays_are_the_rays_to_the_bit() {
+        for map in maps() {
+            let rays = RowRays::new(&map);
+            for y in 0..usize::from(map.size_px[1]) {
+                let row = rays.row(y);
+                for x in 0..usize::from(map.size_px[0]) {
+                    assert_eq!(row(x), map.ray(x as f64, y as f64), "{map:?} {x} {y}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Cholesky decomposition of a symmetric banded matrix.
 
+use super::FitError;
+
 /// Lower band of a symmetric positive definite matrix: row i holds columns i - band ..= i.
 pub struct Banded {
     order: usize,
@@ -8,12 +10,15 @@ pub struct Banded {
 }
 
 impl Banded {
-    pub fn zero(order: usize, band: usize) -> Self {
-        Self {
-            order,
-            band,
-            rows: vec![0.0; order * (band + 1)],
-        }
+    /// # Errors
+    /// [`FitError::Memory`] if there is not enough.
+    pub fn zero(order: usize, band: usize) -> Result<Self, FitError> {
+        let count = order * (band + 1);
+        let mut rows = Vec::new();
+        rows.try_reserve_exact(count)
+            .map_err(|_| FitError::Memory(count * size_of::<f64>() / 1_000_000))?;
+        rows.resize(count, 0.0);
+        Ok(Self { order, band, rows })
     }
 
     /// Adds to element (i, j), j <= i, i - j <= band.
@@ -97,7 +102,7 @@ mod tests {
             d if d <= band => 1.0 / (d as f64 + j as f64 * 0.1),
             _ => 0.0,
         };
-        let mut matrix = Banded::zero(n, band);
+        let mut matrix = Banded::zero(n, band).expect("some bytes");
         for i in 0..n {
             for j in i.saturating_sub(band)..=i {
                 matrix.add(i, j, element(i, j));
@@ -116,7 +121,7 @@ mod tests {
 
     #[test]
     fn an_indefinite_matrix_is_refused() {
-        let mut matrix = Banded::zero(2, 1);
+        let mut matrix = Banded::zero(2, 1).expect("some bytes");
         matrix.add(0, 0, 1.0);
         matrix.add(1, 0, 2.0);
         matrix.add(1, 1, 1.0);

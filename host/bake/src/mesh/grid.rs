@@ -12,13 +12,15 @@ pub struct Grid {
 
 impl Grid {
     /// The smallest grid over the shown pixels; `None` if there are none.
-    pub fn covering(targets: &Targets, step_log2: u32) -> Option<Self> {
+    pub fn covering(targets: &Targets<'_>, step_log2: u32) -> Option<Self> {
         let mut low = [usize::MAX; 2];
         let mut high = [0; 2];
-        for (y, [first, last]) in targets.reaches() {
-            for (i, [from, to]) in [[first, last], [y, y]].into_iter().enumerate() {
-                low[i] = low[i].min(from >> step_log2);
-                high[i] = high[i].max(to >> step_log2);
+        for y in 0..targets.size_px()[1] {
+            for span in targets.spans(y) {
+                for (i, ends) in [[span.start, span.end - 1], [y, y]].into_iter().enumerate() {
+                    low[i] = low[i].min(ends[0] >> step_log2);
+                    high[i] = high[i].max(ends[1] >> step_log2);
+                }
             }
         }
         (low[0] <= high[0]).then(|| Self {
@@ -35,11 +37,6 @@ impl Grid {
 
     pub fn step(&self) -> usize {
         1 << self.step_log2
-    }
-
-    /// Upper left output pixel of cell (column, row) of the grid.
-    pub fn corner(&self, cell: [usize; 2]) -> [usize; 2] {
-        [0, 1].map(|i| (self.first_cell[i] + cell[i]) << self.step_log2)
     }
 
     /// Catmull-Rom weights of four neighbours at each pixel of a cell.

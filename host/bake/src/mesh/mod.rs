@@ -6,6 +6,7 @@ mod grid;
 mod targets;
 
 pub use fit::{FitError, FittedMesh, fit};
+pub(crate) use targets::KEPT_BYTES;
 pub use targets::Targets;
 
 #[cfg(test)]

@@ -1,110 +1,106 @@
 //! Exact source positions of the output pixels that one eye shows.
 
+use std::borrow::Cow;
+use std::fmt;
 use std::ops::Range;
 
-/// Where each output pixel of one eye looks in its source frame, px, from the camera model. Pixels that
-/// the eye does not show take no memory.
-#[derive(Debug, Clone)]
-pub struct Targets {
+use rayon::prelude::*;
+
+/// Bytes of positions that are kept, for one eye: those of all pixels of a picture of 2048x1024. Others
+/// are traced again whenever they are needed.
+pub const KEPT_BYTES: usize = 32 << 20;
+
+/// Source positions of the pixels of a row (its number, and the columns that are shown), px.
+type Trace<'a> = dyn Fn(usize, &[Range<usize>]) -> Vec<[f64; 2]> + Sync + 'a;
+
+/// Where each output pixel of one eye looks in its source frame, px, from the camera model.
+pub struct Targets<'a> {
     width_px: usize,
-    /// Spans of the first y rows, by y; one more than there are rows.
-    spans_above: Vec<usize>,
-    /// Shown pixels that lie side by side, row by row.
-    spans: Vec<Span>,
-    /// Of all shown pixels, row by row.
-    positions: Vec<[f64; 2]>,
+    rows: Vec<Row>,
+    trace: Box<Trace<'a>>,
+    /// Bytes of positions that may still be kept.
+    room_bytes: usize,
 }
 
-#[derive(Debug, Clone)]
-struct Span {
-    columns: Range<usize>,
-    /// Index of the first pixel's position.
-    first: usize,
+struct Row {
+    /// Columns that are shown.
+    spans: Vec<Range<usize>>,
+    /// Their positions, if they are kept.
+    kept: Option<Vec<[f64; 2]>>,
 }
 
-/// A shown pixel of a row.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
-    /// Column, output px.
-    pub x: usize,
-    /// Which of all shown pixels it is, row by row.
-    pub index: usize,
-    /// Source position, px.
-    pub position: [f64; 2],
-}
-
-impl Targets {
-    /// No rows yet of an output `width_px` wide.
-    pub fn new(width_px: usize) -> Self {
+impl<'a> Targets<'a> {
+    /// Targets of an output `width_px` wide, without any row yet. `trace` gives again, and to the
+    /// bit, what rows are pushed with: the positions of the given columns of a row.
+    pub fn new(
+        width_px: usize,
+        kept_bytes: usize,
+        trace: impl Fn(usize, &[Range<usize>]) -> Vec<[f64; 2]> + Sync + 'a,
+    ) -> Self {
         Self {
             width_px,
-            spans_above: vec![0],
-            spans: Vec::new(),
-            positions: Vec::new(),
+            rows: Vec::new(),
+            trace: Box::new(trace),
+            room_bytes: kept_bytes,
         }
     }
 
-    /// Adds a row from its positions; `None` where the eye shows nothing.
-    ///
-    /// # Panics
-    /// If the row is not as long as the output is wide.
-    pub fn push_row(&mut self, row: impl Iterator<Item = Option<[f64; 2]>>) {
-        let own = self.spans.len();
-        let mut columns = 0;
-        for (x, position) in row.enumerate() {
-            columns = x + 1;
-            let Some(position) = position else {
-                continue;
-            };
-            match self.spans[own..].last_mut() {
-                Some(span) if span.columns.end == x => span.columns.end += 1,
-                _ => self.spans.push(Span {
-                    columns: x..x + 1,
-                    first: self.positions.len(),
-                }),
+    /// Adds the next row from the top: its shown pixels, by column, and their positions.
+    pub fn push_row(&mut self, shown: impl Iterator<Item = (usize, [f64; 2])>) {
+        let mut spans: Vec<Range<usize>> = Vec::new();
+        let mut positions = Vec::new();
+        for (x, position) in shown {
+            match spans.last_mut() {
+                Some(span) if span.end == x => span.end += 1,
+                _ => spans.push(x..x + 1),
             }
-            self.positions.push(position);
+            positions.push(position);
         }
-        assert_eq!(columns, self.width_px, "a whole row");
-        self.spans_above.push(self.spans.len());
+        let bytes = size_of_val(&positions[..]);
+        let kept = (bytes <= self.room_bytes).then(|| {
+            self.room_bytes -= bytes;
+            positions.shrink_to_fit();
+            positions
+        });
+        self.rows.push(Row { spans, kept });
     }
 
     /// Width and height of the output, px.
     pub fn size_px(&self) -> [usize; 2] {
-        [self.width_px, self.spans_above.len() - 1]
+        [self.width_px, self.rows.len()]
     }
 
     /// Number of shown pixels.
     pub fn shown_px(&self) -> usize {
-        self.positions.len()
+        let spans = self.rows.iter().flat_map(|row| &row.spans);
+        spans.map(ExactSizeIterator::len).sum()
     }
 
-    /// Shown pixels of row `y` in these columns, from left to right.
-    pub fn within(&self, y: usize, columns: Range<usize>) -> impl Iterator<Item = Target> + '_ {
-        let spans = &self.spans[self.spans_above[y]..self.spans_above[y + 1]];
-        spans.iter().flat_map(move |span| {
-            let from = span.columns.start.max(columns.start);
-            let to = span.columns.end.min(columns.end);
-            (from..to).map(move |x| {
-                let index = span.first + x - span.columns.start;
-                Target {
-                    x,
-                    index,
-                    position: self.positions[index],
-                }
-            })
-        })
+    /// The shown columns of a row.
+    pub fn spans(&self, y: usize) -> &[Range<usize>] {
+        &self.rows[y].spans
     }
 
-    /// First and last shown column of each row that shows any, with the row.
-    pub fn reaches(&self) -> impl Iterator<Item = (usize, [usize; 2])> + '_ {
-        self.spans_above
-            .windows(2)
-            .enumerate()
-            .filter_map(|(y, of_row)| {
-                let spans = &self.spans[of_row[0]..of_row[1]];
-                let (first, last) = (spans.first()?, spans.last()?);
-                Some((y, [first.columns.start, last.columns.end - 1]))
-            })
+    /// Positions of the shown pixels of some rows.
+    pub fn positions(&self, rows: Range<usize>) -> Vec<Cow<'_, [[f64; 2]]>> {
+        let row = |y: usize| match &self.rows[y].kept {
+            Some(kept) => Cow::Borrowed(&kept[..]),
+            None => Cow::Owned((self.trace)(y, &self.rows[y].spans)),
+        };
+        if self.rows[rows.clone()].iter().all(|row| row.kept.is_some()) {
+            rows.map(row).collect()
+        } else {
+            rows.into_par_iter().map(row).collect()
+        }
+    }
+}
+
+impl fmt::Debug for Targets<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kept = self.rows.iter().filter(|row| row.kept.is_some()).count();
+        f.debug_struct("Targets")
+            .field("size_px", &self.size_px())
+            .field("kept_rows", &kept)
+            .finish_non_exhaustive()
     }
 }

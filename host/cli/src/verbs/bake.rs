@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use serde_json::{Value, json};
-use tectum_bake::{BakeOptions, Baked, Format, ScalesReport, bake};
+use tectum_bake::{BakeOptions, Baked, Format, ScalesReport, bake, memory_bytes};
 use tectum_optics::Rig;
 
 use crate::args::OutputArgs;
@@ -13,10 +13,6 @@ use crate::progress::Progress;
 use crate::ranges::{range_json, range_line};
 use crate::report::{Report, max_rms};
 use crate::{files, instructions};
-
-/// Memory that baking takes for each output pixel: 21 bytes at 8192x4096, 8 more where a mesh is polished,
-/// and a little to spare. Pictures in which most pixels show both eyes take up to 48.
-const BYTES_PER_PIXEL: usize = 32;
 
 /// A rig to a table, with its cost sheet
 #[derive(clap::Args)]
@@ -80,8 +76,8 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
 
 /// Refuses an output that this machine cannot bake, before the system ends the program for it.
 fn check_memory(size_px: [u16; 2]) -> anyhow::Result<()> {
-    let [width, height] = size_px.map(usize::from);
-    let needed = width * height * BYTES_PER_PIXEL;
+    let [width, height] = size_px;
+    let needed = memory_bytes(size_px);
     if Vec::<u8>::new().try_reserve_exact(needed).is_err() {
         bail!(
             "--size {width}x{height}: baking it needs about {:.1} GB of memory, which this machine \

@@ -41,6 +41,7 @@ pub struct RigEye {
 impl RigEye {
     /// Ray in the camera frame to the point that lies `distance_m` (may be infinite) from the
     /// body's origin in the unit `direction`.
+    #[inline]
     pub fn camera_ray(&self, direction: &Vector3<f64>, distance_m: f64) -> Vector3<f64> {
         // Divided by the distance, so that infinity needs no case of its own.
         let ray = direction - self.pose.position_m / distance_m;
@@ -186,10 +187,18 @@ impl Rig {
     /// unit `direction`: that of the point at the stitch distance, bent by the rig's warp. `None`
     /// if there is no such eye.
     pub fn shown_ray(&self, eye: usize, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let rig_eye = [&self.left, &self.right][eye].as_ref()?;
+        self.shown_rays(direction)[eye]
+    }
+
+    /// [`Self::shown_ray`] of the left and the right eye.
+    #[inline]
+    pub fn shown_rays(&self, direction: &Vector3<f64>) -> [Option<Vector3<f64>>; 2] {
         let warp = self.stitching.as_ref().and_then(|s| s.warp.as_ref());
-        let bent = warp.map(|warp| warp.bent(eye, direction));
-        Some(rig_eye.camera_ray(bent.as_ref().unwrap_or(direction), self.stitch_distance_m))
+        let bent = warp.map_or([*direction; 2], |warp| warp.bent_of_both(direction));
+        let ray = |eye: &Option<RigEye>, direction: &Vector3<f64>| {
+            Some(eye.as_ref()?.camera_ray(direction, self.stitch_distance_m))
+        };
+        [ray(&self.left, &bent[0]), ray(&self.right, &bent[1])]
     }
 
     /// The projection about the plane through both optical axes.

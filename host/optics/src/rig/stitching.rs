@@ -122,13 +122,20 @@ impl WarpMap {
 
     /// The direction that eye 0 (left) or 1 (right) shows in place of `shown`.
     pub fn bent(&self, eye: usize, shown: &Vector3<f64>) -> Vector3<f64> {
-        let offsets = self.raster.cubic(shown).map(|v| v * self.step_rad);
-        let (by_yaw, by_pitch) = (offsets[2 * eye], offsets[2 * eye + 1]);
-        if by_yaw == 0.0 && by_pitch == 0.0 {
-            return *shown;
-        }
-        let (yaw, pitch) = yaw_pitch(shown);
-        direction(yaw + by_yaw, pitch + by_pitch)
+        self.bent_of_both(shown)[eye]
+    }
+
+    /// [`Self::bent`] of the left and the right eye.
+    pub fn bent_of_both(&self, shown: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let [left_yaw, left_pitch, right_yaw, right_pitch] =
+            self.raster.cubic(shown).map(|v| v * self.step_rad);
+        [[left_yaw, left_pitch], [right_yaw, right_pitch]].map(|[by_yaw, by_pitch]| {
+            if by_yaw == 0.0 && by_pitch == 0.0 {
+                return *shown;
+            }
+            let (yaw, pitch) = yaw_pitch(shown);
+            direction(yaw + by_yaw, pitch + by_pitch)
+        })
     }
 }
 

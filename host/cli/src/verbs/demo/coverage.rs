@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 use serde::Serialize;
-use tectum_bake::Sights;
+use tectum_bake::seen_pixels;
 use tectum_optics::convention::direction;
 use tectum_optics::design::Area;
 use tectum_optics::{OutputMap, Rig, RigEye};
@@ -66,10 +66,9 @@ impl Shares {
 
 /// Who sees each pixel of an equirect `map`, at the rig's stitch distance.
 pub fn areas(rig: &Rig, map: &OutputMap) -> Vec<Area> {
-    Sights::trace(rig, map, -HALF_PIXEL)
-        .pixels
-        .iter()
-        .map(|sights| Area::of(sights.map(|sight| sight.is_some())))
+    seen_pixels(rig, map, -HALF_PIXEL)
+        .into_iter()
+        .map(Area::of)
         .collect()
 }
 
