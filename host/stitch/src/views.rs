@@ -1,8 +1,9 @@
 //! Both eyes' pictures as an output picture sees them: what colour, seam and alignment work on.
 
 use image::RgbImage;
+use nalgebra::Vector3;
 use rayon::prelude::*;
-use tectum_optics::{OutputMap, RgbCurves, Rig};
+use tectum_optics::{OutputMap, RgbCurves, Rig, RowRays};
 
 use crate::colour::toned;
 
@@ -82,15 +83,19 @@ impl View {
         wanted: &(impl Fn(usize) -> bool + Sync),
     ) -> Self {
         let [width, height] = map.size_px.map(usize::from);
-        let colour = |x: usize, y: usize| {
+        let rays = RowRays::new(map);
+        let colour = |ray: Option<Vector3<f64>>| {
             let camera = [&rig.left, &rig.right][eye].as_ref()?;
-            let ray = rig.shown_ray(eye, &map.ray(x as f64, y as f64)?)?;
+            let ray = rig.shown_ray(eye, &ray?)?;
             bilinear(picture, camera.eye.project(&ray).ok()?)
         };
-        let sampled: Vec<Option<[f32; 3]>> = (0..width * height)
-            .into_par_iter()
-            .map(|i| wanted(i).then(|| colour(i % width, i / width))?)
-            .collect();
+        let row = |y: usize| -> Vec<Option<[f32; 3]>> {
+            let ray = rays.row(y);
+            let pixel = |x: usize| wanted(y * width + x).then(|| colour(ray(x)))?;
+            (0..width).map(pixel).collect()
+        };
+        let rows = (0..height).into_par_iter().map(row);
+        let sampled: Vec<Option<[f32; 3]>> = rows.flatten_iter().collect();
         Self {
             seen: sampled.iter().map(Option::is_some).collect(),
             colours: sampled.into_iter().map(Option::unwrap_or_default).collect(),

@@ -161,7 +161,7 @@ fn compare(name: &str, rig: &Rig, eyes: &Eyes<RgbImage>, truth: Option<&RgbImage
         if let Some(tone) = tone {
             views = views.toned(tone);
         }
-        let overlap = Overlap::new(&views, AlignOptions::default().margin_px);
+        let overlap = Overlap::new(&views, AlignOptions::default().margin_px());
         Seam::find(&[views], overlap, &SeamOptions::default()).unwrap()
     };
     let clock = std::time::Instant::now();

@@ -72,6 +72,8 @@ pub struct SeamMap {
 pub struct WarpMap {
     raster: Raster<4>,
     step_rad: f64,
+    /// Whether any value that counts between a value, the next one and those below is not 0.
+    bends: Vec<bool>,
 }
 
 /// Tone curves of an eye for red, green and blue: what each 8-bit value becomes.
@@ -101,7 +103,8 @@ impl SeamMap {
 
     /// The left eye's share of a direction, 0..=1.
     pub fn left_share(&self, direction: &Vector3<f64>) -> f64 {
-        let [share] = self.raster.linear(direction);
+        let (yaw, pitch) = yaw_pitch(direction);
+        let [share] = self.raster.linear(self.raster.place(yaw, pitch));
         share / 255.0
     }
 }
@@ -117,7 +120,18 @@ impl WarpMap {
             return Err(format!("a step of {step_rad} rad: allowed is up to 0.001"));
         }
         let raster = Raster::new(size_px, steps)?;
-        Ok(Self { raster, step_rad })
+        let [width, height] = size_px.map(i64::from);
+        let around = |i: i64| {
+            (-1..3).flat_map(move |dy| (-1..3).map(move |dx| (i % width + dx, i / width + dy)))
+        };
+        let bends =
+            (0..width * height).map(|i| around(i).any(|(x, y)| raster.at(x, y) != [0.0; 4]));
+        let bends = bends.collect();
+        Ok(Self {
+            raster,
+            step_rad,
+            bends,
+        })
     }
 
     /// The direction that eye 0 (left) or 1 (right) shows in place of `shown`.
@@ -127,13 +141,20 @@ impl WarpMap {
 
     /// [`Self::bent`] of the left and the right eye.
     pub fn bent_of_both(&self, shown: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let (yaw, pitch) = yaw_pitch(shown);
+        let [x, y] = self.raster.place(yaw, pitch);
+        if !self.bends[self
+            .raster
+            .index(libm::floor(x) as i64, libm::floor(y) as i64)]
+        {
+            return [*shown; 2];
+        }
         let [left_yaw, left_pitch, right_yaw, right_pitch] =
-            self.raster.cubic(shown).map(|v| v * self.step_rad);
+            self.raster.cubic([x, y]).map(|v| v * self.step_rad);
         [[left_yaw, left_pitch], [right_yaw, right_pitch]].map(|[by_yaw, by_pitch]| {
             if by_yaw == 0.0 && by_pitch == 0.0 {
                 return *shown;
             }
-            let (yaw, pitch) = yaw_pitch(shown);
             direction(yaw + by_yaw, pitch + by_pitch)
         })
     }
@@ -157,22 +178,31 @@ impl<const N: usize> Raster<N> {
         Ok(Self { map, values })
     }
 
-    fn at(&self, x: i64, y: i64) -> [f64; N] {
+    /// Index of a column and row: columns go round, beyond the first and last row these go on.
+    fn index(&self, x: i64, y: i64) -> usize {
         let [width, height] = self.map.size_px.map(i64::from);
-        let index = y.clamp(0, height - 1) * width + x.rem_euclid(width);
-        self.values[index as usize]
+        (y.clamp(0, height - 1) * width + x.rem_euclid(width)) as usize
     }
 
-    /// Value at a direction with weights of the `K` columns and rows from `first` on.
+    fn at(&self, x: i64, y: i64) -> [f64; N] {
+        self.values[self.index(x, y)]
+    }
+
+    /// Column and row of a direction, px.
+    fn place(&self, yaw: f64, pitch: f64) -> [f64; 2] {
+        [
+            (-yaw - self.map.u[0]) / self.map.u[1],
+            (pitch - self.map.v[0]) / self.map.v[1],
+        ]
+    }
+
+    /// Value at a place with weights of the `K` columns and rows from `first` on.
     fn sample<const K: usize>(
         &self,
-        direction: &Vector3<f64>,
+        [x, y]: [f64; 2],
         first: i64,
         weights: fn(f64) -> [f64; K],
     ) -> [f64; N] {
-        let (yaw, pitch) = yaw_pitch(direction);
-        let x = (-yaw - self.map.u[0]) / self.map.u[1];
-        let y = (pitch - self.map.v[0]) / self.map.v[1];
         let (left, top) = (libm::floor(x), libm::floor(y));
         let (across, down) = (weights(x - left), weights(y - top));
         let mut sum = [0.0; N];
@@ -190,13 +220,13 @@ impl<const N: usize> Raster<N> {
         sum
     }
 
-    fn linear(&self, direction: &Vector3<f64>) -> [f64; N] {
-        self.sample(direction, 0, |t| [1.0 - t, t])
+    fn linear(&self, place: [f64; 2]) -> [f64; N] {
+        self.sample(place, 0, |t| [1.0 - t, t])
     }
 
     /// By the uniform cubic B-spline, which is smooth enough for a mesh to follow.
-    fn cubic(&self, direction: &Vector3<f64>) -> [f64; N] {
-        self.sample(direction, -1, |t| {
+    fn cubic(&self, place: [f64; 2]) -> [f64; N] {
+        self.sample(place, -1, |t| {
             let s = 1.0 - t;
             let inner = |t: f64| 2.0 / 3.0 - t * t + t * t * t / 2.0;
             [s * s * s / 6.0, inner(t), inner(s), t * t * t / 6.0]

@@ -195,7 +195,7 @@ fn check(options: &AlignOptions) -> Result<(), AlignError> {
             256.0..=8192.0,
             "256 to 8192",
         ),
-        ("margin_px", options.margin_px, 0.0..=256.0, "0 to 256"),
+        ("margin_rad", options.margin_rad, 0.0..=0.5, "0 to 0.5"),
         ("knots_rad", options.knots_rad, 0.02..=0.5, "0.02 to 0.5"),
         ("most_rad", options.most_rad, 0.005..=0.2, "0.005 to 0.2"),
         (
@@ -274,7 +274,7 @@ impl<'a> Stage<'a> {
 
     fn seam(&self, views: &[Views]) -> Result<Seam, AlignError> {
         let first = views.first().ok_or(crate::seam::SeamError::NoPictures)?;
-        let overlap = Overlap::new(first, self.options.margin_px);
+        let overlap = Overlap::new(first, self.options.margin_px());
         Ok(Seam::find(views, overlap, &self.options.seam)?)
     }
 

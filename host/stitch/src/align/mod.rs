@@ -51,8 +51,8 @@ pub struct AlignOptions {
     pub seam: SeamOptions,
     /// Width of the frame in which all is measured, px a turn.
     pub width_px: u16,
-    /// Part of each eye's rim that the other eye shows, px of that frame.
-    pub margin_px: f64,
+    /// Part of each eye's rim that the other eye shows, rad: the rim of a lens is dark and soft.
+    pub margin_rad: f64,
     /// Least distance of the bend's knots, rad: details below cannot be followed. It is raised until
     /// the meshes of the `outputs` carry the bend.
     pub knots_rad: f64,
@@ -64,6 +64,13 @@ pub struct AlignOptions {
     pub most_parallax_rad: f64,
     /// Greatest misalignment that is sought, between the eyes, rad.
     pub most_rad: f64,
+}
+
+impl AlignOptions {
+    /// `margin_rad` in the frame, px.
+    pub fn margin_px(&self) -> f64 {
+        self.margin_rad * f64::from(self.width_px) / std::f64::consts::TAU
+    }
 }
 
 impl Default for AlignOptions {
@@ -79,7 +86,7 @@ impl Default for AlignOptions {
         Self {
             seam: SeamOptions::default(),
             width_px: 2048,
-            margin_px: 8.0,
+            margin_rad: 8.0 * std::f64::consts::TAU / 2048.0,
             knots_rad: 0.12,
             outputs: OUTPUTS_PX.into_iter().filter_map(output).collect(),
             most_parallax_rad: 0.15f64.to_radians(),

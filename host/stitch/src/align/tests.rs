@@ -100,7 +100,6 @@ fn pictures(rig: &Rig, things: &[Thing]) -> Eyes<RgbImage> {
 fn options() -> AlignOptions {
     let mut options = AlignOptions {
         width_px: 1024,
-        margin_px: 4.0,
         ..AlignOptions::default()
     };
     options.outputs.truncate(1);

@@ -24,7 +24,7 @@ mod ssim;
 #[cfg(test)]
 mod tests;
 
-pub use band::band;
+pub use band::{band, fine_width_px};
 pub use course::Summary;
 pub use energy::{EnergyOptions, energy, lattice};
 pub use error::SeamError;

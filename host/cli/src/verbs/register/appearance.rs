@@ -7,7 +7,7 @@ use tectum_core::{Sampler, Tables};
 use tectum_optics::{Projection, RgbCurves, Rig};
 use tectum_stitch::align::{AlignOptions, AlignSummary, SeamMatch, Warp, align};
 use tectum_stitch::colour::{ColourSummary, match_eyes, midway};
-use tectum_stitch::seam::{Overlap, Quality, Seam, SeamOptions, band};
+use tectum_stitch::seam::{Overlap, Quality, Seam, SeamOptions, band, fine_width_px};
 use tectum_stitch::{Eyes, Views};
 
 use super::{Args, ToneName};
@@ -22,6 +22,8 @@ const SHOWN_PX: [u16; 2] = [1536, 768];
 
 /// What was found.
 pub struct Appearance {
+    /// Width of the pictures in which the seam was sought, px a turn.
+    pub width_px: u16,
     pub curves: Option<Eyes<RgbCurves>>,
     pub colour: Option<ColourSummary>,
     pub seam: Option<Seam>,
@@ -39,6 +41,7 @@ pub struct Appearance {
 impl Appearance {
     pub fn find(args: &Args, rig: &Rig, pictures: &[Eyes<RgbImage>]) -> anyhow::Result<Self> {
         let mut found = Self {
+            width_px: args.width.unwrap_or_else(|| fine_width_px(rig)),
             curves: None,
             colour: None,
             seam: None,
@@ -54,7 +57,7 @@ impl Appearance {
         }
         let shots: Vec<Eyes<&RgbImage>> = pictures.iter().map(|pair| pair.each_ref()).collect();
         let mut options = AlignOptions {
-            width_px: args.width,
+            width_px: found.width_px,
             ..AlignOptions::default()
         };
         options.outputs.push(for_size(args.size.0)?);
@@ -130,7 +133,7 @@ impl Appearance {
             }
         };
         let views: Vec<Views> = shots.iter().map(view).collect();
-        let overlap = Overlap::new(&views[0], options.margin_px);
+        let overlap = Overlap::new(&views[0], options.margin_px());
         Ok(Seam::find(&views, overlap, &SeamOptions::default())?)
     }
 }

@@ -95,10 +95,10 @@ pub struct Args {
     /// Bend nothing along the seam
     #[arg(long)]
     no_align: bool,
-    /// Width of the pictures in which the seam is sought, px a turn
-    #[arg(long, value_name = "PX", default_value_t = 2048,
-          value_parser = clap::value_parser!(u16).range(256..=8192))]
-    width: u16,
+    /// Width of the pictures in which the seam is sought, px a turn (default: as fine as the eyes see,
+    /// 640 to 2048)
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u16).range(256..=8192))]
+    width: Option<u16>,
     /// Report to write: one HTML page
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,

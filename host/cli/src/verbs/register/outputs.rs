@@ -12,7 +12,6 @@ use crate::rig_files::{Parts, RigFiles};
 pub struct Outputs {
     files: RigFiles,
     report: Option<PathBuf>,
-    seam_px: [u16; 2],
 }
 
 impl Outputs {
@@ -20,7 +19,6 @@ impl Outputs {
         Self {
             files: RigFiles::new(&args.output),
             report: args.report.clone(),
-            seam_px: [args.width, args.width / 2],
         }
     }
 
@@ -34,7 +32,9 @@ impl Outputs {
     pub fn write_rig(&self, rig: &Rig, found: &Appearance) -> anyhow::Result<(Rig, Vec<PathBuf>)> {
         let seam = found.seam.as_ref();
         let parts = Parts {
-            seam_png: seam.map(|s| s.shares.to_png(self.seam_px)).transpose()?,
+            seam_png: seam
+                .map(|s| s.shares.to_png([found.width_px, found.width_px / 2]))
+                .transpose()?,
             curves: found.curves.as_ref(),
             warp: found.warp.as_ref(),
         };
