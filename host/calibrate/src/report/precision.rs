@@ -16,6 +16,12 @@ const LAST_DEPTHS: [f64; 2] = [0.5, 0.999];
 /// the end of the whole chain.
 pub const KNOWN_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
+/// Whether a standard error says no more than that a direction is unknown: beyond a radian, what is in
+/// proportion for small errors means nothing.
+pub fn is_unknown(sigma_rad: f64) -> bool {
+    sigma_rad.is_nan() || sigma_rad > 1.0
+}
+
 /// Standard errors of the directions in a ring about the axis, of what lens and sensor show of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {

@@ -237,13 +237,9 @@ fn trusted(grounds: &Grounds) -> (Trust, String) {
     )
 }
 
-/// Standard errors from here on say no more than that a direction is unknown, rad: they follow from small
-/// errors in proportion.
-const UNKNOWN_RAD: f64 = 1.0;
-
 /// A standard error in words, degrees with two digits that count.
 fn angle(rad: f64) -> String {
-    if rad.is_nan() || rad > UNKNOWN_RAD {
+    if precision::is_unknown(rad) {
         return "an unknown angle".into();
     }
     let degrees = rad.to_degrees();
