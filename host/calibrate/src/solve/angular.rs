@@ -27,9 +27,10 @@ const LEAST_SHARE: f64 = 0.5;
 /// greater of what the corners' noise and the jackknife over views say. `m` is the mean square of the
 /// model's error, from the difference between the chosen lens and the [freer one](FreerLens). Even were
 /// the chosen model exact, both would differ, by the variance that the freer lens has beyond the chosen
-/// one's (Hausman 1978), so that is taken off the squared difference, down to half of it. Both are means round the ring at an
-/// angle off axis: a difference that crosses zero somewhere is no smaller an error there. In the camera's
-/// own frame, what the chosen lens's covariance says of the common rotation is added.
+/// one's (Hausman 1978): that is taken off the squared difference, down to half of it. Both are means
+/// round the ring at an angle off axis, since a difference that crosses zero somewhere is no smaller an
+/// error there. In the camera's own frame, what the chosen lens's covariance says of the common rotation
+/// is added.
 #[derive(Debug)]
 pub struct AngularUncertainty {
     chosen: Spread,
