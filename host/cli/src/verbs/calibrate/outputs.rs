@@ -101,6 +101,7 @@ pub fn plain_options(args: &Args, model: Model) -> Options {
     Options {
         model: Some(model),
         decentring: false,
+        model_error: false,
         ..args.options()
     }
 }
