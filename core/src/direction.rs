@@ -1,5 +1,7 @@
 //! Directions in the body frame, as binary angles.
 
+use crate::lookup::functions;
+
 /// An angle with 65,536 units to a turn: -180 degrees to just under 180 in an `i16`, 0.0055
 /// degrees a unit, wrapping as angles do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -11,8 +13,7 @@ impl BinaryAngle {
 
     /// The nearest binary angle, any number of turns taken off. 0 for what is not a number.
     pub fn from_rad(rad: f32) -> Self {
-        let units = libm::floorf(rad * Self::UNITS_PER_RAD + 0.5);
-        Self(units as i32 as i16)
+        Self(functions::floor(rad * Self::UNITS_PER_RAD + 0.5) as i16)
     }
 
     /// The nearest binary angle, any number of turns taken off.
@@ -45,7 +46,7 @@ impl Direction {
     /// Direction of a vector `[x, y, z]` of any length.
     pub(crate) fn of(v: [f32; 3]) -> Self {
         let [x, y, z] = v;
-        let horizontal = libm::sqrtf(x * x + y * y);
+        let horizontal = functions::sqrt(x * x + y * y);
         Self {
             yaw: BinaryAngle::from_rad(libm::atan2f(y, x)),
             pitch: BinaryAngle::from_rad(libm::atan2f(-z, horizontal)),
@@ -54,13 +55,9 @@ impl Direction {
 
     /// Unit vector `[x, y, z]`.
     pub(crate) fn vector(self) -> [f32; 3] {
-        let (yaw, pitch) = (self.yaw.rad(), self.pitch.rad());
-        let cos_pitch = libm::cosf(pitch);
-        [
-            cos_pitch * libm::cosf(yaw),
-            cos_pitch * libm::sinf(yaw),
-            -libm::sinf(pitch),
-        ]
+        let [sin_yaw, cos_yaw] = functions::sin_cos(self.yaw.rad());
+        let [sin_pitch, cos_pitch] = functions::sin_cos(self.pitch.rad());
+        [cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch]
     }
 }
 

@@ -137,6 +137,14 @@ impl Axis {
         self.offset
     }
 
+    /// The present offset and its first to third forward differences, Q24: all that [`Axis::step`]
+    /// needs, for whoever steps by other means.
+    #[inline(always)]
+    pub fn differences(&self) -> [i32; 4] {
+        let [first, second, third] = self.difference;
+        [self.offset.0, first, second, third]
+    }
+
     /// Position in Q8 pixels.
     #[inline(always)]
     pub fn position_q8(&self) -> i32 {

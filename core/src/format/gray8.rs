@@ -3,7 +3,11 @@
 use tectum_tables::{Channel, Ramp, Segments};
 
 use super::{Kernel, PixelFormat, limited};
-use crate::kernel::{Position, Source, bilinear, blend, walk};
+use crate::kernel::{Position, Source, blend};
+#[cfg(not(arm_dsp))]
+use crate::kernel::{bilinear, walk};
+#[cfg(arm_dsp)]
+use crate::kernel::{dsp, walk_cells};
 use crate::tone::Curves;
 
 /// One byte of luma to a pixel.
@@ -27,6 +31,9 @@ impl Kernel for Gray8 {
 
     #[inline(never)]
     fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
+        #[cfg(arm_dsp)]
+        walk_cells::<P, 1>(source, segments, row, start, dsp::gray8::<P>());
+        #[cfg(not(arm_dsp))]
         walk::<P, 1>(source, segments, row, start, |[out], spot, fraction_q8| {
             *out = if P::INTERPOLATES {
                 bilinear(spot.box_2x2(1), fraction_q8) as u8

@@ -2,9 +2,15 @@
 //! share, arithmetic and memory access, is here once.
 
 mod arithmetic;
+#[cfg(arm_dsp)]
+mod cell;
+#[cfg(arm_dsp)]
+pub(crate) mod dsp;
 mod position;
 mod source;
 
 pub(crate) use arithmetic::{bilinear, blend};
+#[cfg(arm_dsp)]
+pub(crate) use cell::walk_cells;
 pub(crate) use position::{Bilinear, Nearest, Position, walk};
 pub(crate) use source::{Source, Spot};

@@ -2,6 +2,8 @@
 #![allow(unsafe_code)]
 
 use tectum_tables::Eye;
+#[cfg(arm_dsp)]
+use tectum_tables::Segment;
 
 use crate::format::PixelFormat;
 use crate::stitcher::check_source;
@@ -43,6 +45,26 @@ impl<'a> Source<'a> {
     #[inline(always)]
     pub(crate) fn width(&self) -> usize {
         self.width
+    }
+
+    /// Where the pixel in column `x` of row `y` begins, or would, and how many bytes apart rows are.
+    #[cfg(arm_dsp)]
+    #[inline(always)]
+    pub(crate) fn place(self, x: i32, y: i32, bytes_per_pixel: usize) -> (*const u8, usize) {
+        (self.spot(x, y, bytes_per_pixel).pointer, self.stride)
+    }
+
+    /// Whether all pixels of `segment` show boxes whose bytes lie inside the frame.
+    #[cfg(arm_dsp)]
+    pub(crate) fn shows<const BYTES: usize>(self, mut segment: Segment) -> bool {
+        (0..segment.len).all(|_| {
+            let [x, y] = [segment.x, segment.y].map(|axis| axis.position_q8() >> 8);
+            segment.step();
+            let first = self.spot(x, y, BYTES).pointer;
+            let last = self.spot(x + 1, y + 1, BYTES).forward(BYTES - 1).pointer;
+            let data = self.data.as_ptr_range();
+            x >= 0 && y >= 0 && data.contains(&first) && data.contains(&last)
+        })
     }
 
     /// The place of the pixel in column `x` of row `y`, or where it would be.

@@ -1,7 +1,8 @@
-//! Where a pixel looks, and which pixel looks there. Queries, not per-pixel work: f32 with `libm`,
-//! so the same on every machine.
+//! Where a pixel looks, and which pixel looks there. Queries, not per-pixel work: f32 in a
+//! fixed order of operations, so the same on every machine.
 
 mod eye;
+pub(crate) mod functions;
 pub(crate) mod vector;
 mod view;
 
@@ -89,7 +90,7 @@ impl<'t> Lookup<'t> {
         let ray = rotate(q30(rays.rotation_q30()), ray);
         let eye_at = q30(rays.position_q30());
         let along = dot(eye_at, ray);
-        let to_sphere = libm::sqrtf(along * along + 1.0 - dot(eye_at, eye_at)) - along;
+        let to_sphere = functions::sqrt(along * along + 1.0 - dot(eye_at, eye_at)) - along;
         Some([0, 1, 2].map(|i| eye_at[i] + to_sphere * ray[i]))
     }
 
@@ -108,7 +109,7 @@ impl<'t> Lookup<'t> {
 
 /// The nearest position in Q8.
 fn q8(px: f32) -> i32 {
-    libm::floorf(px * 256.0 + 0.5) as i32
+    functions::floor(px * 256.0 + 0.5)
 }
 
 /// Whether a position lies on a picture of a size.

@@ -1,5 +1,7 @@
 //! Vectors and matrices of three.
 
+use super::functions::sqrt;
+
 /// Numbers in Q30.
 pub fn q30<const N: usize>(values: [i32; N]) -> [f32; N] {
     values.map(|v| v as f32 / (1u32 << 30) as f32)
@@ -32,7 +34,7 @@ pub fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 
 /// Length.
 pub fn norm(v: [f32; 3]) -> f32 {
-    libm::sqrtf(dot(v, v))
+    sqrt(dot(v, v))
 }
 
 /// Angle between vectors of any length, rad; exact for small angles, unlike an arc cosine.

@@ -2,25 +2,27 @@
 
 use tectum_tables::{OutputMap, ProjectionKind};
 
+use super::functions::{sin_cos, sqrt};
+
 /// Ray in the view frame (x forward, y left, z up) at view-plane coordinates.
 pub fn view_ray(kind: ProjectionKind, [u, v]: [f32; 2]) -> Option<[f32; 3]> {
     match kind {
         ProjectionKind::Equirect => {
-            let cos_v = libm::cosf(v);
             let inside = v.abs() <= core::f32::consts::FRAC_PI_2 + 1e-6;
             inside.then(|| {
-                [
-                    cos_v * libm::cosf(u),
-                    -cos_v * libm::sinf(u),
-                    -libm::sinf(v),
-                ]
+                let ([sin_u, cos_u], [sin_v, cos_v]) = (sin_cos(u), sin_cos(v));
+                [cos_v * cos_u, -cos_v * sin_u, -sin_v]
             })
         }
-        ProjectionKind::Cylindrical => Some([libm::cosf(u), -libm::sinf(u), -v]),
+        ProjectionKind::Cylindrical => {
+            let [sin_u, cos_u] = sin_cos(u);
+            Some([cos_u, -sin_u, -v])
+        }
         ProjectionKind::Fisheye => {
-            let theta = libm::sqrtf(u * u + v * v);
-            let k = libm::sinf(theta) / theta.max(f32::MIN_POSITIVE);
-            (theta <= core::f32::consts::PI).then(|| [libm::cosf(theta), -k * u, -k * v])
+            let theta = sqrt(u * u + v * v);
+            let [sine, cosine] = sin_cos(theta);
+            let k = sine / theta.max(f32::MIN_POSITIVE);
+            (theta <= core::f32::consts::PI).then_some([cosine, -k * u, -k * v])
         }
         ProjectionKind::Perspective => Some([1.0, -u, -v]),
     }
@@ -29,13 +31,12 @@ pub fn view_ray(kind: ProjectionKind, [u, v]: [f32; 2]) -> Option<[f32; 3]> {
 /// View-plane coordinates of a ray in the view frame.
 pub fn view_plane(kind: ProjectionKind, [x, y, z]: [f32; 3]) -> Option<[f32; 2]> {
     match kind {
-        ProjectionKind::Equirect => Some([
-            -libm::atan2f(y, x),
-            libm::atan2f(-z, libm::sqrtf(x * x + y * y)),
-        ]),
-        ProjectionKind::Cylindrical => Some([-libm::atan2f(y, x), -z / libm::sqrtf(x * x + y * y)]),
+        ProjectionKind::Equirect => {
+            Some([-libm::atan2f(y, x), libm::atan2f(-z, sqrt(x * x + y * y))])
+        }
+        ProjectionKind::Cylindrical => Some([-libm::atan2f(y, x), -z / sqrt(x * x + y * y)]),
         ProjectionKind::Fisheye => {
-            let sine = libm::sqrtf(y * y + z * z);
+            let sine = sqrt(y * y + z * z);
             let k = libm::atan2f(sine, x) / sine.max(f32::MIN_POSITIVE);
             Some([-k * y, -k * z])
         }

@@ -5,6 +5,7 @@ use heapless::Vec;
 use super::sight::Sight;
 use super::{AngularSize, PixelBox, Target, unit};
 use crate::Direction;
+use crate::lookup::functions::sin_cos;
 use crate::lookup::vector::dot;
 
 /// What tells boxes apart, whatever order they came in.
@@ -15,7 +16,7 @@ type PairKey = (u32, Key, Key);
 
 /// Targets of all sights.
 pub fn merged<const N: usize>(sights: &Vec<Sight, N>, tolerance: AngularSize) -> Vec<Target, N> {
-    let sine = libm::sinf(tolerance.rad().min(core::f32::consts::FRAC_PI_2));
+    let [sine, _] = sin_cos(tolerance.rad().min(core::f32::consts::FRAC_PI_2));
     // Each sight is a group of its own, named by its place; views of a group by its name.
     let mut groups = Vec::<usize, N>::new();
     let mut views = Vec::<u8, N>::new();
@@ -61,16 +62,17 @@ fn nearest<const N: usize>(
     for (place, (a, &group_a)) in all() {
         for (_, (b, &group_b)) in all().skip(place + 1) {
             let views = [group_a, group_b].map(|group| views.get(group).copied().unwrap_or(0));
-            if group_a == group_b || views[0] & views[1] != 0 || !overlap(a, b, sine) {
+            if group_a == group_b || views[0] & views[1] != 0 {
+                continue;
+            }
+            // What costs least comes first: most pairs are farther apart than one found before.
+            let apart = distance(a.middle, b.middle);
+            if best.is_some_and(|((least, ..), _)| least < apart) {
                 continue;
             }
             let [key_a, key_b] = [key(a), key(b)];
-            let pair = (
-                distance(a.middle, b.middle),
-                key_a.min(key_b),
-                key_a.max(key_b),
-            );
-            if best.is_none_or(|(least, _)| pair < least) {
+            let pair = (apart, key_a.min(key_b), key_a.max(key_b));
+            if best.is_none_or(|(least, _)| pair < least) && overlap(a, b, sine) {
                 best = Some((pair, [group_a, group_b]));
             }
         }

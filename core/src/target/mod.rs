@@ -30,6 +30,7 @@ use heapless::Vec;
 use tectum_tables::{Eye, Tables};
 
 use self::sight::Sight;
+use crate::lookup::functions;
 use crate::lookup::vector::{dot, norm, q30};
 use crate::{Direction, Lookup};
 
@@ -43,7 +44,7 @@ impl AngularSize {
 
     /// The nearest one; at most a turn, at least 0.
     pub fn from_rad(rad: f32) -> Self {
-        Self(libm::floorf(rad * Self::UNITS_PER_RAD + 0.5) as u16)
+        Self(functions::floor(rad * Self::UNITS_PER_RAD + 0.5).clamp(0, 65_535) as u16)
     }
 
     /// The nearest one; at most a turn, at least 0.
@@ -215,6 +216,6 @@ impl<'t, const N: usize> Targets<'t, N> {
 
 /// The same direction with length 1; 0 stays 0.
 fn unit(v: [f32; 3]) -> [f32; 3] {
-    let k = 1.0 / libm::sqrtf(dot(v, v)).max(f32::MIN_POSITIVE);
+    let k = 1.0 / functions::sqrt(dot(v, v)).max(f32::MIN_POSITIVE);
     v.map(|c| c * k)
 }

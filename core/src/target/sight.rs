@@ -4,6 +4,7 @@ use tectum_tables::ProjectionKind;
 
 use super::{AngularSize, PixelBox, View, unit};
 use crate::Lookup;
+use crate::lookup::functions::sqrt;
 use crate::lookup::vector::{angle_between, cross, dot};
 
 /// A box with its directions.
@@ -84,7 +85,7 @@ impl Sight {
         let inside = |from, to| {
             let normal = cross(from, to);
             // Equal corners, at a pole, are no side.
-            let length = libm::sqrtf(dot(normal, normal));
+            let length = sqrt(dot(normal, normal));
             if length < 1e-6 {
                 return true;
             }
