@@ -1,6 +1,6 @@
 //! Real board pictures to calibrated eyes, judged on boards that took no part.
 //!
-//! `cargo xtask campaign real-calibration` prints the table of the README: 2-D RMS of all corners found (outliers included), poses refitted; and the same for the odd
+//! `cargo xtask campaign real-calibration` prints the table of `docs/calibration.md`: 2-D RMS of all corners found (outliers included), poses refitted; and the same for the odd
 //! boards with the intrinsics of the even ones, and the reverse, pooled over boards. The last column
 //! is held-out, too, but each board may bend and move while a rolling shutter reads it: what is left
 //! there is the lens and the corners alone.

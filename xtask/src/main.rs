@@ -31,7 +31,7 @@ cargo xtask campaign NAME | --list
     What takes too long for `test`: --list says what each proves, how long it takes and whether its
     part has changed since it passed.
 cargo xtask tables [--bless]       bakes the shipped tables again and compares them byte for byte
-cargo xtask figures [--bless]      compares the README's measured figures, or writes them
+cargo xtask figures [--bless]      compares the measured figures of README and docs/firmware.md, or writes them
 cargo xtask firmware test|report   the core on emulated Cortex-M boards (--help says more)
 cargo xtask aarch64                tables, core and bake on emulated aarch64
 cargo xtask cameras                the program with the kernel's virtual cameras, in a machine

@@ -57,7 +57,10 @@ const STEPS: [(&str, &str); 13] = [
         "tables",
         "shipped tables are baked again, the same to the byte",
     ),
-    ("figures", "README's figures are those measured"),
+    (
+        "figures",
+        "figures of README and docs/firmware.md are those measured",
+    ),
     (
         "firmware",
         "when changed: the core on emulated M4, M7 and M55: bytes, counts, stack, size, no panic path",

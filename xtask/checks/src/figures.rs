@@ -1,4 +1,4 @@
-//! `cargo xtask figures`: the README's table of measured figures.
+//! `cargo xtask figures`: the measured figures of `docs/firmware.md`, and those of them that the README shows.
 
 use std::fmt::Write;
 use std::fs;
@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 
 use xtask::repository;
 
-use crate::{firmware, tables};
+use crate::firmware;
 
 const BEGIN: &str = "<!-- figures: written by `cargo xtask figures --bless` -->\n";
 const END: &str = "<!-- end of figures -->\n";
@@ -15,40 +15,53 @@ const END: &str = "<!-- end of figures -->\n";
 /// Arguments of `cargo xtask figures`.
 #[derive(clap::Args, Default)]
 pub struct Args {
-    /// Write the README instead of comparing it
+    /// Write the pages instead of comparing them
     #[arg(long)]
     bless: bool,
 }
 
 /// Runs `cargo xtask figures`.
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let path = repository().join("README.md");
-    let readme = fs::read_to_string(&path).context("README.md")?;
-    let figures = figures()?;
-    let (before, rest) = readme
+    let firmware = firmware::figures()?;
+    let all = format!("{}\n{}\n", tables()?, firmware.all);
+    let pages = [
+        ("docs/firmware.md", all),
+        ("README.md", format!("\n{}\n", firmware.chosen)),
+    ];
+    // Both are looked at before one that is wrong ends the check.
+    let checked = pages.map(|(page, figures)| check(page, &figures, args.bless));
+    checked.into_iter().collect()
+}
+
+/// Compares a page's figures with today's, or writes them.
+fn check(page: &str, figures: &str, bless: bool) -> anyhow::Result<()> {
+    let path = repository().join(page);
+    let text = fs::read_to_string(&path).with_context(|| page.to_owned())?;
+    let (before, rest) = text
         .split_once(BEGIN)
-        .context("README.md has no place for figures")?;
+        .with_context(|| format!("{page} has no place for figures"))?;
     let (written, after) = rest
         .split_once(END)
-        .context("README.md: the figures have no end")?;
+        .with_context(|| format!("{page}: the figures have no end"))?;
     if written == figures {
-        println!("README.md holds today's figures");
-    } else if args.bless {
+        println!("{page} holds today's figures");
+    } else if bless {
         fs::write(&path, format!("{before}{BEGIN}{figures}{END}{after}"))?;
-        println!("README.md: figures written");
+        println!("{page}: figures written");
     } else {
         println!("{figures}");
-        bail!("README.md does not hold these figures (--bless)");
+        bail!("{page} does not hold these figures (--bless)");
     }
     Ok(())
 }
 
-fn figures() -> anyhow::Result<String> {
+/// What each shipped table takes.
+fn tables() -> anyhow::Result<String> {
     let mut text = String::from(
         "\n| table | output | step | bytes: mesh left + right, runs, all | position error, max / RMS |\n\
          |---|---|---|---|---|\n",
     );
-    for recipe in tables::recipes()? {
+    for recipe in crate::tables::recipes()? {
         let report = recipe.bake()?.report;
         let [width, height] = recipe.size_px;
         let bytes = report.bytes;
@@ -65,8 +78,5 @@ fn figures() -> anyhow::Result<String> {
             report.coordinate_error_px.rms,
         )?;
     }
-    text.push('\n');
-    text.push_str(&firmware::figures()?);
-    text.push('\n');
     Ok(text)
 }

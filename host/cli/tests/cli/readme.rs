@@ -1,4 +1,4 @@
-//! Every shell line of the README on simulated pictures. Lines run as they stand there, but for the
+//! Every shell line of the README and of `docs` on simulated pictures. Lines run as they stand there, but for the
 //! address of a live view; between some lines smaller tables and rigs take the place of large ones.
 
 use std::fs;
@@ -32,11 +32,35 @@ const FISH: &str = "name = \"fish\"\nmedium = \"water\"\nstitch_distance_m = 2.0
 const POOL: &str = "texture_seed = 1\npool = { length_m = 6.0, width_m = 6.0, depth_m = 4.0, \
     freeboard_m = 0.3, tile_mm = 150.0 }\nmedium = { kind = \"air\" }\n";
 
-/// The commands of the README's shell blocks under a heading, without comments, lines that go on joined.
-fn commands(heading: &str) -> Vec<String> {
-    let section = README.split("\n## ").find(|part| part.starts_with(heading));
-    let section = section.unwrap_or_else(|| panic!("no heading {heading:?} in the README"));
-    let blocks = section.split("```").skip(1).step_by(2);
+/// The pages of `docs` that have shell lines; a test for each is below.
+const PAGES: [(&str, &str); 7] = [
+    ("design", include_str!("../../../../docs/design.md")),
+    (
+        "calibration",
+        include_str!("../../../../docs/calibration.md"),
+    ),
+    (
+        "registration",
+        include_str!("../../../../docs/registration.md"),
+    ),
+    (
+        "orientation",
+        include_str!("../../../../docs/orientation.md"),
+    ),
+    ("cameras", include_str!("../../../../docs/cameras.md")),
+    ("stitching", include_str!("../../../../docs/stitching.md")),
+    ("lookup", include_str!("../../../../docs/lookup.md")),
+];
+
+/// The commands of a page of `docs`.
+fn commands(page: &str) -> Vec<String> {
+    let text = PAGES.iter().find(|(name, _)| *name == page);
+    shell_lines(text.expect("a page").1)
+}
+
+/// The commands of a text's shell blocks without comments, lines that go on joined.
+fn shell_lines(text: &str) -> Vec<String> {
+    let blocks = text.split("```").skip(1).step_by(2);
     let shell = blocks.filter_map(|block| block.strip_prefix("sh\n"));
     let joined = shell.map(|block| block.replace("\\\n", " "));
     let lines: Vec<String> = joined
@@ -75,8 +99,8 @@ fn run(bench: &Bench, line: &str) {
     println!("{:.1} s: {line}", begun.elapsed().as_secs_f64());
 }
 
-fn run_all(bench: &Bench, heading: &str) {
-    commands(heading).iter().for_each(|line| run(bench, line));
+fn run_all(bench: &Bench, page: &str) {
+    commands(page).iter().for_each(|line| run(bench, line));
 }
 
 /// Simulates `FISH` in a scene; the pictures are `NAME/left.png` and `NAME/right.png`.
@@ -89,42 +113,53 @@ fn simulate(bench: &Bench, name: &str, scene: &str) {
 }
 
 #[test]
-fn every_block_is_run() {
-    let sections = README
-        .split("\n## ")
-        .filter(|part| part.contains("```sh\n"));
-    let headings = sections.map(|part| part.lines().next().unwrap_or_default());
-    // One test each, below.
-    let run = [
-        "Two commands",
-        "Before the hull is cut",
-        "Your own eyes",
-        "Two eyes, one picture",
-        "Which way is it",
-        "Cameras",
-        "Your own pictures",
-        "Where is it?",
-    ];
-    assert_eq!(headings.collect::<Vec<_>>(), run);
-    // All that this block has is left to other steps, and all that is left to them is there.
-    assert!(commands("Two commands").is_empty());
+fn every_line_is_run() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs"));
+    for file in fs::read_dir(folder).unwrap() {
+        let path = file.unwrap().path();
+        if path.extension().is_some_and(|end| end == "md") {
+            let has_lines = !shell_lines(&fs::read_to_string(&path).unwrap()).is_empty();
+            let name = path.file_stem().unwrap().to_string_lossy();
+            let is_known = PAGES.iter().any(|(page, _)| *page == name);
+            assert_eq!(has_lines, is_known, "{}", path.display());
+        }
+    }
+    let run: Vec<String> = PAGES.iter().flat_map(|(page, _)| commands(page)).collect();
+    // The README's lines, and the commands in its table, are in the pages, too.
+    for line in shell_lines(README) {
+        assert!(run.contains(&line), "{line:?} is in no page");
+    }
+    let table = README.lines().filter(|line| line.starts_with('|'));
+    let named = table.flat_map(|line| line.split('`').skip(1).step_by(2));
+    for line in named.filter(|line| line.starts_with("tectum ")) {
+        let begin = line.trim_end_matches(" ...");
+        assert!(
+            run.iter().any(|whole| whole.starts_with(begin)),
+            "{line:?} is in no page"
+        );
+    }
+    // What is left to other steps of the gate is there.
     for line in OTHERS {
-        assert!(README.contains(line), "{line:?} is not in the README");
+        let is_there = |text: &str| text.contains(line);
+        assert!(
+            is_there(README) || PAGES.iter().any(|(_, text)| is_there(text)),
+            "{line:?}"
+        );
     }
 }
 
 #[test]
-fn before_the_hull_is_cut() {
-    run_all(&Bench::new(), "Before the hull is cut");
+fn design() {
+    run_all(&Bench::new(), "design");
 }
 
 #[test]
-fn your_own_eyes() {
+fn calibration() {
     let bench = Bench::new();
     for folder in ["pictures", "l", "r"] {
         boards::write(&bench.path(folder), &boards::session([9, 6]));
     }
-    run_all(&bench, "Your own eyes");
+    run_all(&bench, "calibration");
 }
 
 /// The board that `board --board 8x6 --marker 7` prints, overhead, where both eyes see it.
@@ -161,12 +196,12 @@ fn give_pictures(bench: &Bench, shot: &str) {
 }
 
 #[test]
-fn two_eyes_one_picture() {
+fn registration() {
     let bench = Bench::new();
     fs::write(bench.path("rig.toml"), FISH).unwrap();
     simulate(&bench, "boards", &overlap_board());
     bench.done("simulate rig.toml -o pool --samples 1");
-    for line in commands("Two eyes, one picture") {
+    for line in commands("registration") {
         let of_board = line.contains("--target");
         give_pictures(&bench, if of_board { "boards" } else { "pool" });
         run(&bench, &line);
@@ -174,7 +209,7 @@ fn two_eyes_one_picture() {
 }
 
 #[test]
-fn which_way_is_it() {
+fn orientation() {
     let bench = Bench::new();
     // The paper's board, on each side in turn: rows and columns from -2, 35 mm, 160 mm away.
     let rig = include_str!("../../../../tables/rigs/paper-fish.toml");
@@ -192,7 +227,7 @@ fn which_way_is_it() {
         let eyes = format!("--left {name}/left.png --right {name}/right.png");
         bench.done(&format!("stitch fish.tct {eyes} -o {name}.png"));
     }
-    for line in commands("Which way is it") {
+    for line in commands("orientation") {
         run(&bench, &line);
         // A whole dive of small eyes.
         if line.starts_with("tectum align") {
@@ -236,7 +271,7 @@ fn cameras() {
         .replace("119.5, ", "239.5, ");
     fs::write(bench.path("rig.toml"), rig.replace(", 119.5]", ", 179.5]")).unwrap();
     bench.done("bake rig.toml -o fish.tct --size 320x160 --max-error 0.5");
-    for line in commands("Cameras") {
+    for line in commands("cameras") {
         let has_ffmpeg = || Command::new("ffmpeg").arg("-version").output().is_ok();
         if line.starts_with("tectum view") {
             view(&bench, &line);
@@ -249,7 +284,7 @@ fn cameras() {
 }
 
 #[test]
-fn your_own_pictures() {
+fn stitching() {
     let bench = Bench::new();
     fs::create_dir_all(bench.path("tables/rigs")).unwrap();
     let rig = include_str!("../../../../tables/rigs/dual-fisheye-210.toml");
@@ -258,7 +293,7 @@ fn your_own_pictures() {
         image::Rgb([x, y, x ^ y].map(|value| (value / 16) as u8))
     });
     picture.save(bench.path("both-circles.jpg")).unwrap();
-    for line in commands("Your own pictures") {
+    for line in commands("stitching") {
         run(&bench, &line);
         // Every pixel is compared: of a small table, which takes seconds less.
         if line.starts_with("tectum bake") {
@@ -271,7 +306,7 @@ fn your_own_pictures() {
 }
 
 #[test]
-fn where_is_it() {
+fn lookup() {
     let bench = Bench::new();
     let rig = include_str!("../../../../tables/rigs/paper-fish.toml");
     fs::write(bench.path("rig.toml"), rig).unwrap();
@@ -280,5 +315,5 @@ fn where_is_it() {
             .save(bench.path(eye))
             .unwrap();
     }
-    run_all(&bench, "Where is it?");
+    run_all(&bench, "lookup");
 }

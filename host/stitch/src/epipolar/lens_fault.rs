@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2, Vector3};
 /// Angle over which faults of a lens are alike, rad: the field's correlation is `exp(-d^2 / 2 L^2)`.
 const LENGTH_RAD: f64 = 0.6;
 /// What lenses are off by in any case, rad: on real boards that took no part in their calibration by 0.02
-/// to 0.07 degrees (README, `real_directions`).
+/// to 0.07 degrees (`docs/orientation.md`, `real_directions`).
 const CALIBRATED_RAD: f64 = 0.04 * std::f64::consts::PI / 180.0;
 /// Residuals that the components are estimated from, at most: the work grows with their square.
 const MAX_ROWS: usize = 400;

@@ -105,15 +105,40 @@ fn as_markdown(rows: &[Row]) -> String {
     text
 }
 
-/// The figures that the README shows.
-pub fn figures() -> anyhow::Result<String> {
+/// What the README shows of the figures.
+const CHOSEN: [&str; 6] = [
+    "counts: gray8 bilinear one-eye",
+    "counts: yuyv bilinear one-eye",
+    "counts: lookup direction of output pixel",
+    "stack: yuyv bilinear",
+    "size: gray8",
+    "size: yuyv",
+];
+
+/// Tables of figures, as Markdown.
+pub struct Figures {
+    /// Those that `docs/firmware.md` shows.
+    pub all: String,
+    /// Those that the README shows.
+    pub chosen: String,
+}
+
+/// The figures that the documents show.
+pub fn figures() -> anyhow::Result<Figures> {
     let shown = |row: &Row| {
         let what = row.what.as_str();
-        // A void pixel is a fill, and a whole picture a mixture: the README shows the parts. Formats
+        // A void pixel is a fill, and a whole picture a mixture: the page shows the parts. Formats
         // that have known bytes in other places cost nearly the same.
         let is_kin = what.contains(": uyvy ") || what.contains(": rgb565be ");
         !what.ends_with(" void") && !what.ends_with(" picture") && !is_kin
     };
     let rows: Vec<Row> = rows()?.into_iter().filter(shown).collect();
-    Ok(as_markdown(&rows))
+    let all = as_markdown(&rows);
+    let chosen = rows
+        .into_iter()
+        .filter(|row| CHOSEN.contains(&row.what.as_str()));
+    Ok(Figures {
+        all,
+        chosen: as_markdown(&chosen.collect::<Vec<_>>()),
+    })
 }
