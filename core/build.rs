@@ -7,7 +7,7 @@ use std::env::var;
 const CORES: [&str; 3] = ["cortex-m55", "cortex-m85", "cortex-m52"];
 
 fn main() {
-    println!("cargo::rustc-check-cfg=cfg(arm_dsp)");
+    println!("cargo::rustc-check-cfg=cfg(arm_dsp, values(none(), \"optional\"))");
     println!("cargo::rerun-if-changed=build.rs");
     let target = var("TARGET").unwrap_or_default();
     let flags = var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
@@ -15,8 +15,11 @@ fn main() {
         .iter()
         .any(|core| flags.contains(&format!("target-cpu={core}")));
     let asked_for = flags.contains("+dsp");
-    let always = target.starts_with("thumbv7em-");
-    if always || target.starts_with("thumbv8m.main-") && (of_core || asked_for) {
+    if target.starts_with("thumbv7em-") {
         println!("cargo::rustc-cfg=arm_dsp");
+    } else if target.starts_with("thumbv8m.main-") && (of_core || asked_for) {
+        println!("cargo::rustc-cfg=arm_dsp");
+        // The assembler is told so too.
+        println!("cargo::rustc-cfg=arm_dsp=\"optional\"");
     }
 }

@@ -74,9 +74,9 @@ pub(crate) fn check_source<F: PixelFormat>(
     }
 }
 
-/// Pixels that are blended together: enough to make starting a stretch cheap beside sampling it.
-const STRETCH_PX: usize = 64;
-const MAX_BYTES_PER_PIXEL: usize = 3;
+/// Bytes that are blended together: enough to make starting a stretch cheap beside sampling it. Whole
+/// pairs of pixels in every format.
+const STRETCH_BYTES: usize = 192;
 
 /// Stitches frames of pixel format `F` with one table.
 ///
@@ -267,13 +267,14 @@ impl<'t, F: PixelFormat> Stitcher<'t, F> {
     /// Blends the right eye over what the left eye left in `out`, a stretch at a time through a
     /// small buffer: no kernel needs a second version that blends.
     fn blend(&self, source: Source<'_>, y: u16, run: Run, mut ramp: Ramp, out: &mut [u8]) {
-        let mut right = [0; STRETCH_PX * MAX_BYTES_PER_PIXEL];
+        let mut right = [0; STRETCH_BYTES];
+        let stretch_px = (STRETCH_BYTES / F::BYTES_PER_PIXEL) as u32;
         let end = run.start + run.len;
         let mut start = run.start;
         while start < end {
             // All but the first stretch start at an even column, as pairs of pixels do.
             let odd = start % 2;
-            let len = (STRETCH_PX as u32 - odd).min(end - start);
+            let len = (stretch_px - odd).min(end - start);
             let stretch = Run { start, len, ..run };
             self.span(source, Eye::Right, y, stretch, &mut right, odd as usize);
             let first = odd as usize / F::PIXELS;

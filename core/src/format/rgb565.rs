@@ -3,7 +3,11 @@
 use tectum_tables::{Channel, Curve, Ramp, Segments};
 
 use super::{Kernel, PixelFormat, limited};
-use crate::kernel::{Position, Source, Spot, bilinear, blend, walk};
+use crate::kernel::{Position, Source, blend};
+#[cfg(not(arm_dsp))]
+use crate::kernel::{Spot, bilinear, walk};
+#[cfg(arm_dsp)]
+use crate::kernel::{dsp, walk_cells};
 use crate::tone::Curves;
 
 /// A 16-bit word to a pixel: red in bits 15..11, green 10..5, blue 4..0. Channels are interpolated
@@ -53,12 +57,14 @@ impl<const BIG_ENDIAN: bool> Packed565<BIG_ENDIAN> {
         }
     }
 
+    #[cfg(not(arm_dsp))]
     #[inline(always)]
     fn read(spot: Spot<'_>, offset: usize) -> [u32; 3] {
         let [low, high] = if BIG_ENDIAN { [1, 0] } else { [0, 1] };
         channels(spot.byte(offset + low) | spot.byte(offset + high) << 8)
     }
 
+    #[cfg(not(arm_dsp))]
     #[inline(always)]
     fn sample<P: Position>(spot: Spot<'_>, fraction_q8: [u32; 2]) -> [u32; 3] {
         if !P::INTERPOLATES {
@@ -102,6 +108,9 @@ impl<const BIG_ENDIAN: bool> Kernel for Packed565<BIG_ENDIAN> {
 
     #[inline(never)]
     fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
+        #[cfg(arm_dsp)]
+        walk_cells::<P, 2>(source, segments, row, start, dsp::rgb565::<P, BIG_ENDIAN>());
+        #[cfg(not(arm_dsp))]
         walk::<P, 2>(source, segments, row, start, |out, spot, fraction_q8| {
             *out = Self::pack(Self::sample::<P>(spot, fraction_q8));
         });

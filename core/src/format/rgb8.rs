@@ -3,7 +3,11 @@
 use tectum_tables::{Channel, Ramp, Segments};
 
 use super::{Kernel, PixelFormat, limited};
-use crate::kernel::{Position, Source, bilinear, blend, walk};
+use crate::kernel::{Position, Source, blend};
+#[cfg(not(arm_dsp))]
+use crate::kernel::{bilinear, walk};
+#[cfg(arm_dsp)]
+use crate::kernel::{dsp, walk_cells};
 use crate::tone::Curves;
 
 /// Three bytes to a pixel: red, green, blue (or any other order: channels are treated alike).
@@ -29,6 +33,9 @@ impl Kernel for Rgb8 {
 
     #[inline(never)]
     fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
+        #[cfg(arm_dsp)]
+        walk_cells::<P, 3>(source, segments, row, start, dsp::rgb8::<P>());
+        #[cfg(not(arm_dsp))]
         walk::<P, 3>(source, segments, row, start, |pixel, spot, fraction_q8| {
             for (channel, out) in pixel.iter_mut().enumerate() {
                 let spot = spot.moved(channel as i32, 0, 1);

@@ -1,9 +1,15 @@
 //! 4:2:2 luma and chroma, as most USB and parallel cameras send it.
 
-use tectum_tables::{Channel, Curve, Ramp, Segment, Segments};
+#[cfg(not(arm_dsp))]
+use tectum_tables::Segment;
+use tectum_tables::{Channel, Curve, Ramp, Segments};
 
 use super::{Kernel, NEUTRAL, PixelFormat, limited};
-use crate::kernel::{Position, Source, bilinear, blend};
+#[cfg(not(arm_dsp))]
+use crate::kernel::bilinear;
+use crate::kernel::{Position, Source, blend};
+#[cfg(arm_dsp)]
+use crate::kernel::{dsp, walk_pairs};
 use crate::tone::Curves;
 
 /// Four bytes to a pair of pixels, chroma sited on the even pixel (as in MPEG-2 and UVC). Luma is
@@ -36,12 +42,14 @@ impl PixelFormat for Uyvy {
 }
 
 /// Where a pixel looks: whole pixels, and fractions in Q8.
+#[cfg(not(arm_dsp))]
 #[derive(Clone, Copy)]
 struct At {
     px: [i32; 2],
     fraction_q8: [u32; 2],
 }
 
+#[cfg(not(arm_dsp))]
 #[inline(always)]
 fn luma<P: Position, const LUMA: usize>(source: &Source<'_>, at: At) -> u32 {
     let [x, y] = at.px;
@@ -54,6 +62,7 @@ fn luma<P: Position, const LUMA: usize>(source: &Source<'_>, at: At) -> u32 {
 }
 
 /// U and V at a luma position: half of it is the position among chroma samples.
+#[cfg(not(arm_dsp))]
 #[inline(always)]
 fn chroma<P: Position, const LUMA: usize>(source: &Source<'_>, at: At) -> [u32; 2] {
     let ([x, y], [fraction_x, fraction_y]) = (at.px, at.fraction_q8);
@@ -122,6 +131,14 @@ impl<const LUMA: usize> Kernel for Packed422<LUMA> {
         });
     }
 
+    #[cfg(arm_dsp)]
+    #[inline(never)]
+    fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
+        let kernel = dsp::packed_422::<P, LUMA>();
+        walk_pairs::<P>(source, segments, row, start, kernel);
+    }
+
+    #[cfg(not(arm_dsp))]
     #[inline(never)]
     fn span<P: Position>(source: Source<'_>, segments: Segments<'_>, row: &mut [u8], start: usize) {
         let mut column = start;

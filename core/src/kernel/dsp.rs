@@ -31,6 +31,51 @@ pub(crate) fn gray8<P: Position>() -> CellKernel {
     }
 }
 
+/// The kernel of RGB565.
+#[inline(always)]
+pub(crate) fn rgb565<P: Position, const BIG_ENDIAN: bool>() -> CellKernel {
+    match (P::INTERPOLATES, BIG_ENDIAN) {
+        (true, false) => rgb565_bilinear,
+        (true, true) => rgb565be_bilinear,
+        (false, _) => rgb565_nearest,
+    }
+}
+
+/// The kernel of 4:2:2 with luma in byte `LUMA` of a pixel, for pairs.
+#[inline(always)]
+pub(crate) fn packed_422<P: Position, const LUMA: usize>() -> CellKernel {
+    match (P::INTERPOLATES, LUMA) {
+        (true, 0) => yuyv_bilinear,
+        (true, _) => uyvy_bilinear,
+        (false, 0) => yuyv_nearest,
+        (false, _) => uyvy_nearest,
+    }
+}
+
+/// The kernel of RGB8.
+#[inline(always)]
+pub(crate) fn rgb8<P: Position>() -> CellKernel {
+    if P::INTERPOLATES {
+        rgb8_bilinear
+    } else {
+        rgb8_nearest
+    }
+}
+
+/// What the assembler needs to know before it takes DSP instructions.
+#[cfg(not(arm_dsp = "optional"))]
+macro_rules! extension {
+    () => {
+        ""
+    };
+}
+#[cfg(arm_dsp = "optional")]
+macro_rules! extension {
+    () => {
+        ".cpu cortex-m33"
+    };
+}
+
 /// Saves registers and loads a cell: `d3y` and `end` go to the stack, at sp and sp + 4.
 macro_rules! enter {
     () => {
@@ -126,8 +171,9 @@ macro_rules! weights {
 /// nothing carries. Halves are signed to `smlad`, so that 2^15 is taken off each before; r8, 2^23 + 2^15,
 /// puts the sum of that back and rounds.
 #[unsafe(naked)]
-unsafe extern "C" fn gray8_bilinear(cell: &Cell) {
+unsafe extern "C" fn gray8_bilinear(cell: &mut Cell) {
     naked_asm!(
+        extension!(),
         enter!(),
         "mov r8, #0x00800000
         orr r8, r8, #0x8000",
@@ -162,8 +208,9 @@ unsafe extern "C" fn gray8_bilinear(cell: &Cell) {
 
 /// The pixel at a position that the axes have rounded already.
 #[unsafe(naked)]
-unsafe extern "C" fn gray8_nearest(cell: &Cell) {
+unsafe extern "C" fn gray8_nearest(cell: &mut Cell) {
     naked_asm!(
+        extension!(),
         enter!(),
         pixels!(
             "2",
@@ -178,3 +225,537 @@ unsafe extern "C" fn gray8_nearest(cell: &Cell) {
         leave!()
     )
 }
+
+/// Saves registers and loads a cell whose own memory goes on holding what there is no register for:
+/// r10 points to it.
+macro_rules! enter_by_pointer {
+    () => {
+        "push {{r4-r11, lr}}
+        mov r10, r0
+        ldr r9, [r0, #32]
+        ldm r0, {{r0-r7}}
+        "
+    };
+}
+
+/// Moves both axes on with all their differences in the cell, so that a pixel has r1, r2, r4 and r5 too.
+macro_rules! step_in_memory {
+    () => {
+        "
+        ldrd r1, r2, [r10, #4]
+        ldr r4, [r10, #36]
+        add r0, r0, r1
+        add r1, r1, r2
+        add r2, r2, r4
+        strd r1, r2, [r10, #4]
+        ldrd r1, r2, [r10, #16]
+        ldr r4, [r10, #40]
+        add r3, r3, r1
+        add r1, r1, r2
+        add r2, r2, r4
+        strd r1, r2, [r10, #16]
+        "
+    };
+}
+
+/// Goes through the pixels of a cell one by one, two to a round.
+macro_rules! pixels_by_pointer {
+    ($step:expr, $pixel:expr) => {
+        concat!(
+            "
+            ldr lr, [r10, #44]
+            cmp r9, lr
+            beq 5f
+            2:",
+            $pixel,
+            $step,
+            "
+            ldr lr, [r10, #44]
+            cmp r9, lr
+            bne 2b
+            5:
+            "
+        )
+    };
+}
+
+/// Mixes the halves of two registers by the Q8 fraction in lr: `$a` becomes `256 $a + ($b - $a) lr`.
+/// Where halves of the difference are negative, the sum takes their borrow back. Uses `$b`.
+macro_rules! mix_halves {
+    ($a:literal, $b:literal) => {
+        concat!(
+            "
+            sub ",
+            $b,
+            ", ",
+            $b,
+            ", ",
+            $a,
+            "
+            lsl ",
+            $a,
+            ", ",
+            $a,
+            ", #8
+            mla ",
+            $a,
+            ", ",
+            $b,
+            ", lr, ",
+            $a,
+            "
+            "
+        )
+    };
+}
+
+/// Mixes the lower and upper half of a register by the weights in lr and rounds: a value up to 255.
+macro_rules! mix_across {
+    ($r:literal) => {
+        concat!(
+            "
+            eor ",
+            $r,
+            ", ",
+            $r,
+            ", #0x80008000
+            smlad ",
+            $r,
+            ", ",
+            $r,
+            ", lr, r8
+            lsr ",
+            $r,
+            ", ",
+            $r,
+            ", #16
+            "
+        )
+    };
+}
+
+/// One channel of two rows of two pixels, r11 and r12: masked, mixed down by r4, across by r5, into `$to`.
+/// Fewer than 8 bits, so halves are positive to `smlad` and r8 is the rounding alone.
+macro_rules! channel_565 {
+    ($to:literal, $shift:literal, $mask:literal) => {
+        concat!(
+            "
+            lsr r1, r11, #",
+            $shift,
+            "
+            lsr r2, r12, #",
+            $shift,
+            "
+            and r1, r1, #",
+            $mask,
+            "
+            and r2, r2, #",
+            $mask,
+            "
+            sub r2, r2, r1
+            lsl r1, r1, #8
+            mla r1, r2, r4, r1
+            smlad ",
+            $to,
+            ", r1, r5, r8
+            lsr ",
+            $to,
+            ", ",
+            $to,
+            ", #16
+            "
+        )
+    };
+}
+
+macro_rules! rgb565_bilinear {
+    ($name:ident, $loaded:literal, $stored:literal) => {
+        /// Both pixels of a row are in one word.
+        #[unsafe(naked)]
+        unsafe extern "C" fn $name(cell: &mut Cell) {
+            naked_asm!(
+                extension!(),
+                enter_by_pointer!(),
+                "mov r8, #0x8000",
+                pixels_by_pointer!(
+                    step_in_memory!(),
+                    concat!(
+                        "
+                        asr lr, r0, #24
+                        add r12, r6, lr, lsl #1
+                        asr lr, r3, #24
+                        mla r12, lr, r7, r12
+                        ldr r11, [r12]
+                        ldr r12, [r12, r7]
+                        ",
+                        $loaded,
+                        "
+                        ubfx r4, r3, #16, #8
+                        ubfx r5, r0, #16, #8
+                        rsb r5, r5, r5, lsl #16
+                        add r5, r5, #256
+                        and r1, r11, #0x001f001f
+                        and r2, r12, #0x001f001f
+                        sub r2, r2, r1
+                        lsl r1, r1, #8
+                        mla r1, r2, r4, r1
+                        smlad lr, r1, r5, r8
+                        lsr lr, lr, #16
+                        ",
+                        channel_565!("r1", "5", "0x003f003f"),
+                        "orr lr, lr, r1, lsl #5",
+                        channel_565!("r1", "11", "0x001f001f"),
+                        "orr lr, lr, r1, lsl #11
+                        ",
+                        $stored,
+                        "
+                        strh lr, [r9], #2
+                        "
+                    )
+                ),
+                "pop {{r4-r11, pc}}"
+            )
+        }
+    };
+}
+rgb565_bilinear!(rgb565_bilinear, "", "");
+rgb565_bilinear!(
+    rgb565be_bilinear,
+    "rev16 r11, r11\nrev16 r12, r12",
+    "rev16 lr, lr"
+);
+
+/// Words as they are, whatever the order of their bytes.
+#[unsafe(naked)]
+unsafe extern "C" fn rgb565_nearest(cell: &mut Cell) {
+    naked_asm!(
+        extension!(),
+        enter!(),
+        pixels!(
+            "3",
+            "
+            asr lr, r3, #24
+            mla lr, lr, r7, r6
+            asr r12, r0, #24
+            ldrh lr, [lr, r12, lsl #1]
+            strh lr, [r9], #2
+            "
+        ),
+        leave!()
+    )
+}
+
+/// Red and blue of a pixel lie two bytes apart and are mixed together, green of both rows.
+#[unsafe(naked)]
+unsafe extern "C" fn rgb8_bilinear(cell: &mut Cell) {
+    naked_asm!(
+        extension!(),
+        enter_by_pointer!(),
+        "mov r8, #0x00800000
+        orr r8, r8, #0x8000",
+        pixels_by_pointer!(
+            step_in_memory!(),
+            concat!(
+                "
+                asr lr, r0, #24
+                add lr, lr, lr, lsl #1
+                add r12, r6, lr
+                asr lr, r3, #24
+                mla r12, lr, r7, r12
+                ubfx lr, r0, #16, #8
+                ldr r1, [r12]
+                ldr r2, [r12, #2]
+                add r12, r12, r7
+                uxtb16 r4, r1
+                uxtb16 r5, r2, ror #8
+                ",
+                mix_halves!("r4", "r5"),
+                "
+                uxtb16 r1, r1, ror #8
+                uxtb16 r2, r2
+                ldr r5, [r12]
+                ldr r12, [r12, #2]
+                uxtb16 r11, r5, ror #8
+                pkhbt r1, r1, r11, lsl #16
+                uxtb16 r11, r12
+                pkhtb r2, r11, r2, asr #16
+                uxtb16 r5, r5
+                uxtb16 r12, r12, ror #8
+                ",
+                mix_halves!("r5", "r12"),
+                mix_halves!("r1", "r2"),
+                weights!("r3"),
+                "
+                pkhbt r2, r4, r5, lsl #16
+                pkhtb r4, r5, r4, asr #16
+                ",
+                mix_across!("r2"),
+                mix_across!("r1"),
+                mix_across!("r4"),
+                "
+                strb r1, [r9, #1]
+                strb r4, [r9, #2]
+                strb r2, [r9], #3
+                "
+            )
+        ),
+        "pop {{r4-r11, pc}}"
+    )
+}
+
+#[unsafe(naked)]
+unsafe extern "C" fn rgb8_nearest(cell: &mut Cell) {
+    naked_asm!(
+        extension!(),
+        enter!(),
+        pixels!(
+            "2",
+            "
+            asr lr, r3, #24
+            mla lr, lr, r7, r6
+            asr r12, r0, #24
+            add r12, r12, r12, lsl #1
+            add lr, lr, r12
+            ldrh r11, [lr]
+            ldrb r12, [lr, #2]
+            strh r11, [r9]
+            strb r12, [r9, #2]
+            add r9, r9, #3
+            "
+        ),
+        leave!()
+    )
+}
+
+/// Moves both axes on with their third differences in the cell. Uses lr.
+macro_rules! step_by_pointer {
+    () => {
+        "
+        ldr lr, [r10, #36]
+        add r0, r0, r1
+        add r1, r1, r2
+        add r2, r2, lr
+        ldr lr, [r10, #40]
+        add r3, r3, r4
+        add r4, r4, r5
+        add r5, r5, lr
+        "
+    };
+}
+
+/// Goes through pixels that come in pairs of four bytes, the first of which may be a pair's odd one and
+/// the last its even one. r9 is the pair.
+macro_rules! pairs {
+    ($even:expr, $odd:expr) => {
+        concat!(
+            "
+            ldr lr, [r10, #52]
+            ldr r12, [r10, #44]
+            add r11, r9, lr, lsl #1
+            cmp r11, r12
+            beq 5f
+            cmp lr, #0
+            bne 3f
+            2:",
+            $even,
+            step_by_pointer!(),
+            "
+            ldr lr, [r10, #44]
+            sub lr, lr, #2
+            cmp r9, lr
+            beq 5f
+            3:",
+            $odd,
+            step_by_pointer!(),
+            "
+            add r9, r9, #4
+            ldr lr, [r10, #44]
+            cmp r9, lr
+            bne 2b
+            5:
+            "
+        )
+    };
+}
+
+/// Luma of a pixel: both neighbours of a row are in one word, `$ror` brings them to its halves.
+macro_rules! luma_bilinear {
+    ($ror:literal, $out:literal) => {
+        concat!(
+            "
+            asr lr, r0, #24
+            add r12, r6, lr, lsl #1
+            asr lr, r3, #24
+            mla r12, lr, r7, r12
+            ldr r11, [r12]
+            ldr r12, [r12, r7]
+            uxtb16 r11, r11",
+            $ror,
+            "
+            uxtb16 r12, r12",
+            $ror,
+            "
+            ubfx lr, r3, #16, #8
+            ",
+            mix_halves!("r11", "r12"),
+            weights!("r0"),
+            mix_across!("r11"),
+            "strb r11, [r9, #",
+            $out,
+            "]
+            "
+        )
+    };
+}
+
+/// U and V of a pair, at half the position in x: a pair is two pixels, and base is that of a pair. The
+/// last pair of a row stands for its right neighbour too.
+macro_rules! chroma_bilinear {
+    ($ror:literal, $u:literal, $v:literal) => {
+        concat!(
+            "
+            strd r1, r2, [r10, #4]
+            strd r4, r5, [r10, #16]
+            asr lr, r0, #25
+            add r12, r6, lr, lsl #2
+            ldr r1, [r10, #48]
+            sub r1, lr, r1
+            lsr r1, r1, #29
+            and r1, r1, #4
+            asr lr, r3, #24
+            mla r12, lr, r7, r12
+            ldr r11, [r12]
+            ldr r2, [r12, r1]
+            add r12, r12, r7
+            ldr r4, [r12]
+            ldr r5, [r12, r1]
+            ubfx lr, r0, #17, #8
+            uxtb16 r11, r11",
+            $ror,
+            "
+            uxtb16 r2, r2",
+            $ror,
+            "
+            uxtb16 r4, r4",
+            $ror,
+            "
+            uxtb16 r5, r5",
+            $ror,
+            "
+            ",
+            mix_halves!("r11", "r2"),
+            mix_halves!("r4", "r5"),
+            weights!("r3"),
+            "
+            pkhbt r1, r11, r4, lsl #16
+            pkhtb r2, r4, r11, asr #16
+            ",
+            mix_across!("r1"),
+            mix_across!("r2"),
+            "
+            strb r1, [r9, #",
+            $u,
+            "]
+            strb r2, [r9, #",
+            $v,
+            "]
+            ldrd r1, r2, [r10, #4]
+            ldrd r4, r5, [r10, #16]
+            "
+        )
+    };
+}
+
+/// Leaves the pixel's address in lr and its offset in x in r12.
+macro_rules! luma_nearest {
+    ($luma:literal, $out:literal) => {
+        concat!(
+            "
+            asr lr, r3, #24
+            mla lr, lr, r7, r6
+            asr r12, r0, #24
+            add lr, lr, r12, lsl #1
+            ldrb r11, [lr, #",
+            $luma,
+            "]
+            strb r11, [r9, #",
+            $out,
+            "]
+            "
+        )
+    };
+}
+
+macro_rules! packed_422 {
+    ($bilinear:ident, $nearest:ident, $luma_ror:literal, $chroma_ror:literal,
+     $y0:literal, $u:literal, $y1:literal, $v:literal) => {
+        #[unsafe(naked)]
+        unsafe extern "C" fn $bilinear(cell: &mut Cell) {
+            naked_asm!(
+                extension!(),
+                enter_by_pointer!(),
+                "mov r8, #0x00800000
+                orr r8, r8, #0x8000",
+                pairs!(
+                    concat!(
+                        luma_bilinear!($luma_ror, $y0),
+                        chroma_bilinear!($chroma_ror, $u, $v)
+                    ),
+                    luma_bilinear!($luma_ror, $y1)
+                ),
+                "pop {{r4-r11, pc}}"
+            )
+        }
+
+        #[unsafe(naked)]
+        unsafe extern "C" fn $nearest(cell: &mut Cell) {
+            naked_asm!(
+                extension!(),
+                enter_by_pointer!(),
+                pairs!(
+                    concat!(
+                        luma_nearest!($y0, $y0),
+                        "
+                        and r12, r12, #1
+                        sub lr, lr, r12, lsl #1
+                        ldrb r11, [lr, #",
+                        $u,
+                        "]
+                        ldrb r12, [lr, #",
+                        $v,
+                        "]
+                        strb r11, [r9, #",
+                        $u,
+                        "]
+                        strb r12, [r9, #",
+                        $v,
+                        "]
+                        "
+                    ),
+                    luma_nearest!($y0, $y1)
+                ),
+                "pop {{r4-r11, pc}}"
+            )
+        }
+    };
+}
+packed_422!(
+    yuyv_bilinear,
+    yuyv_nearest,
+    "",
+    ", ror #8",
+    "0",
+    "1",
+    "2",
+    "3"
+);
+packed_422!(
+    uyvy_bilinear,
+    uyvy_nearest,
+    ", ror #8",
+    "",
+    "1",
+    "0",
+    "3",
+    "2"
+);

@@ -11,6 +11,8 @@ mod source;
 
 pub(crate) use arithmetic::{bilinear, blend};
 #[cfg(arm_dsp)]
-pub(crate) use cell::walk_cells;
-pub(crate) use position::{Bilinear, Nearest, Position, walk};
+pub(crate) use cell::{walk_cells, walk_pairs};
+#[cfg(not(arm_dsp))]
+pub(crate) use position::walk;
+pub(crate) use position::{Bilinear, Nearest, Position};
 pub(crate) use source::{Source, Spot};

@@ -1,9 +1,13 @@
 //! From mesh segments to source positions, by sampler.
 
+#[cfg(not(arm_dsp))]
 use core::mem;
 
-use tectum_tables::{Axis, Offset, Segment, Segments};
+use tectum_tables::Segment;
+#[cfg(not(arm_dsp))]
+use tectum_tables::{Axis, Offset, Segments};
 
+#[cfg(not(arm_dsp))]
 use super::{Source, Spot};
 
 /// How positions are rounded, chosen once per row.
@@ -44,12 +48,14 @@ impl Position for Nearest {
 }
 
 /// Pixels that are stepped together. Steps are multiples of it, so whole cells leave no rest.
+#[cfg(not(arm_dsp))]
 const BLOCK: usize = 8;
 
 /// Offsets of `axis` at the next pixels.
 ///
 /// Stepping both axes and sampling in one loop needs more registers than a Cortex-M has; one axis
 /// at a time through a small array costs a store and a load a pixel instead of a dozen spills.
+#[cfg(not(arm_dsp))]
 #[inline(always)]
 fn offsets<const N: usize>(axis: &mut Axis) -> [Offset; N] {
     core::array::from_fn(|_| {
@@ -61,6 +67,7 @@ fn offsets<const N: usize>(axis: &mut Axis) -> [Offset; N] {
 
 /// Calls `pixel` for each pixel of a run with its bytes in the output row, the source pixel at its
 /// position rounded down, and the position's fractions in Q8.
+#[cfg(not(arm_dsp))]
 #[inline(always)]
 pub(crate) fn walk<'a, P: Position, const BYTES: usize>(
     source: Source<'a>,

@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use tectum_tables::Eye;
-#[cfg(arm_dsp)]
+#[cfg(any(arm_dsp, test))]
 use tectum_tables::Segment;
 
 use crate::format::PixelFormat;
@@ -55,7 +55,7 @@ impl<'a> Source<'a> {
     }
 
     /// Whether all pixels of `segment` show boxes whose bytes lie inside the frame.
-    #[cfg(arm_dsp)]
+    #[cfg(any(arm_dsp, test))]
     pub(crate) fn shows<const BYTES: usize>(self, mut segment: Segment) -> bool {
         (0..segment.len).all(|_| {
             let [x, y] = [segment.x, segment.y].map(|axis| axis.position_q8() >> 8);
@@ -126,6 +126,7 @@ impl Spot<'_> {
 
     /// Bytes of the 2x2 box whose upper left one is here and whose columns are `pitch` bytes
     /// apart.
+    #[cfg(not(arm_dsp))]
     #[inline(always)]
     pub(crate) fn box_2x2(self, pitch: usize) -> [u32; 4] {
         let below = self.below();
@@ -156,5 +157,59 @@ impl Spot<'_> {
     #[inline(always)]
     pub(crate) fn below(self) -> Self {
         self.forward(self.source.stride)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What kernels in assembly are given is asked of each cell where checks are on: one pixel too many,
+    /// or a frame with a row, a column or a byte less, is noticed.
+    #[test]
+    fn a_cell_that_leaves_the_frame_is_noticed() {
+        let bytes = include_bytes!("../../../tables/baked/paper-fish-480x240.tct");
+        let tables = Tables::parse(bytes).unwrap();
+        let [width, height] = tables.source_size_px(Eye::Left).unwrap().map(usize::from);
+        let mesh = tables.mesh(Eye::Left).unwrap();
+        let data = vec![0; width * height];
+        let source = |rows: usize, stride: usize| Source {
+            data: &data[..rows * stride],
+            stride,
+            width: stride,
+        };
+        let whole = source(height, width);
+        let (mut lowest, mut cells) = (0, Vec::new());
+        for y in 0..tables.output_height_px() {
+            for run in tables.runs(y) {
+                if run.kind != tectum_tables::RunKind::Left {
+                    continue;
+                }
+                for segment in mesh.segments(y, run.start, run.len) {
+                    assert!(whole.shows::<1>(segment));
+                    let mut ahead = segment;
+                    for _ in 0..segment.len {
+                        lowest = lowest.max((ahead.y.position_q8() >> 8) as usize + 2);
+                        ahead.step();
+                    }
+                    cells.push(segment);
+                }
+            }
+        }
+        assert!(
+            cells
+                .iter()
+                .all(|cell| source(lowest, width).shows::<1>(*cell))
+        );
+        assert!(
+            !cells
+                .iter()
+                .all(|cell| source(lowest - 1, width).shows::<1>(*cell))
+        );
+        // Two bytes a pixel in the same frame: half of it is not there.
+        assert!(!cells.iter().all(|cell| whole.shows::<2>(*cell)));
+        // A cell that goes on for ever leaves any frame.
+        let endless = cells.iter().map(|cell| Segment { len: 4096, ..*cell });
+        assert!(!endless.into_iter().all(|cell| whole.shows::<1>(cell)));
     }
 }
