@@ -2,15 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
-use rayon::prelude::*;
+use anyhow::Context;
 use tectum_calibrate::target::{Target, TargetFile};
 use tectum_calibrate::{Board, BoardSize};
-use tectum_optics::Rig;
-use tectum_stitch::Eyes;
-use tectum_stitch::matching::{Outcome, Relative, Sighting, match_boards};
 
-use crate::{detecting, files, pictures};
+use crate::{detecting, files};
 
 /// A board as the command line names it: by its size, or by the file beside its print.
 #[derive(Debug, Clone, Copy)]
@@ -92,68 +88,4 @@ impl TargetArgs {
         board.check()?;
         Ok(vec![board])
     }
-}
-
-/// What became of the boards in pictures of both eyes.
-pub struct Boards {
-    /// Corners seen by all left and all right pictures.
-    pub corners: [usize; 2],
-    /// What came of each board in each shot.
-    pub outcomes: Vec<Outcome>,
-}
-
-/// Pairs the boards' corners in all shots of the rig that was read from `path`.
-pub fn paired(
-    rig: &Rig,
-    path: &Path,
-    targets: &[Target],
-    shots: &[Eyes<PathBuf>],
-) -> anyhow::Result<Boards> {
-    let (Some(left), Some(right)) = (&rig.left, &rig.right) else {
-        bail!("{}: the rig has one eye: two are needed", path.display());
-    };
-    let sightings: anyhow::Result<Vec<Eyes<Sighting>>> = shots
-        .par_iter()
-        .map(|files| {
-            let sighting = |path| -> anyhow::Result<Sighting> {
-                Ok(Sighting::find(&pictures::load_gray(path)?, targets)?)
-            };
-            Ok([sighting(&files[0])?, sighting(&files[1])?])
-        })
-        .collect();
-    let sightings = sightings?;
-    let corners = [0, 1].map(|eye: usize| {
-        let boards = sightings.iter().flat_map(|shot| &shot[eye].boards);
-        boards.map(|board| board.view.corners.len()).sum()
-    });
-    let relative = Relative::roughly(rig);
-    let eyes = [&left.eye, &right.eye];
-    Ok(Boards {
-        corners,
-        outcomes: match_boards(eyes, targets, &sightings, relative.as_ref()),
-    })
-}
-
-/// Why boards gave no pairs: a line for each reason, with the pairs it holds for.
-pub fn refused(outcomes: &[Outcome]) -> Vec<String> {
-    let mut reasons: Vec<(String, Vec<usize>)> = Vec::new();
-    for outcome in outcomes {
-        let Err(why) = &outcome.result else {
-            continue;
-        };
-        let (why, pair) = (why.to_string(), outcome.shot + 1);
-        match reasons.iter_mut().find(|(reason, _)| *reason == why) {
-            Some((_, pairs)) if pairs.last() == Some(&pair) => {}
-            Some((_, pairs)) => pairs.push(pair),
-            None => reasons.push((why, vec![pair])),
-        }
-    }
-    let lines = reasons.into_iter().map(|(why, pairs)| match pairs[..] {
-        [pair] => format!("pair {pair}: {why}"),
-        _ => {
-            let pairs: Vec<String> = pairs.iter().map(usize::to_string).collect();
-            format!("pairs {}: {why}", pairs.join(", "))
-        }
-    });
-    lines.collect()
 }

@@ -10,7 +10,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use tectum_optics::{CalibratedEye, Rig, read_limited};
+use tectum_optics::{CalibratedEye, Rig, RigFiles, read_limited};
 use tectum_tables::Tables;
 use tempfile::NamedTempFile;
 
@@ -83,6 +83,12 @@ pub fn write_group(files: &[(&Path, &[u8])]) -> anyhow::Result<()> {
         pending.finish().with_context(|| cannot(path))?;
     }
     Ok(())
+}
+
+/// Writes a rig and the pictures that it names: all of them or nothing.
+pub fn write_rig(rig: &RigFiles) -> anyhow::Result<()> {
+    let group: Vec<(&Path, &[u8])> = rig.to_write().collect();
+    write_group(&group)
 }
 
 /// Refuses early, before long work: outputs that cannot be written, the same output twice, and an

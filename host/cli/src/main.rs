@@ -16,7 +16,6 @@ mod pool;
 mod progress;
 mod ranges;
 mod report;
-mod rig_files;
 mod shown;
 mod verbs;
 

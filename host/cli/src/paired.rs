@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use image::RgbImage;
+use image::{GrayImage, RgbImage};
 use tectum_calibrate::session::{list, pair_by_name};
 use tectum_optics::Rig;
+use tectum_stitch::Eyes;
+use tectum_stitch::session::{PictureError, Pictures};
 
 use crate::pictures;
 
@@ -63,6 +65,41 @@ pub fn of_files(left: &[PathBuf], right: &[PathBuf]) -> anyhow::Result<Paired> {
             .collect(),
         alone: pairs.alone,
     })
+}
+
+/// Files that a rig's eyes took at once, as registration reads them.
+#[derive(Debug)]
+pub struct PairFiles<'a> {
+    /// The rig.
+    pub rig: &'a Rig,
+    /// `[left, right]` of each shot.
+    pub files: &'a [Eyes<PathBuf>],
+}
+
+impl Pictures for PairFiles<'_> {
+    fn count(&self) -> usize {
+        self.files.len()
+    }
+
+    fn name(&self, pair: usize) -> String {
+        let [left, right] = self.files[pair].each_ref().map(|file| {
+            let name = file.file_name().unwrap_or_default();
+            name.to_string_lossy()
+        });
+        match left == right {
+            true => left.into_owned(),
+            false => format!("{left} and {right}"),
+        }
+    }
+
+    fn gray(&self, pair: usize) -> Result<Eyes<GrayImage>, PictureError> {
+        let [left, right] = &self.files[pair];
+        Ok([pictures::load_gray(left)?, pictures::load_gray(right)?])
+    }
+
+    fn rgb(&self, pair: usize) -> Result<Eyes<RgbImage>, PictureError> {
+        Ok(load(self.rig, &self.files[pair])?)
+    }
 }
 
 /// Both pictures of a shot, of the sizes that the rig's eyes have.

@@ -25,6 +25,6 @@ pub use mount_fit::MountFit;
 pub use pose::{Pose, Side, rotation_vector, vector_of_rotation};
 pub use projection::{OutputMap, Projection, ProjectionError, RowRays, ViewFormula, ViewRange};
 pub use rig::{
-    CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, RigOfEyeFiles,
-    SeamMap, Stitching, StitchingFile, WarpMap, direction_at,
+    CalibratedEye, Medium, NamedFile, Provenance, RgbCurves, Rig, RigError, RigEye, RigFiles,
+    RigOfEyeFiles, SeamMap, Stitching, StitchingFile, StitchingPictures, WarpMap, direction_at,
 };

@@ -251,3 +251,11 @@ fn moments(eye: &Gray, seen: &[bool]) -> [f32; 2] {
         / count;
     [mean as f32, libm::sqrt(square) as f32]
 }
+
+/// A distance in words: metres, or infinity.
+pub fn named(metres: f64) -> String {
+    match metres.is_finite() {
+        true => format!("{metres} m"),
+        false => "infinity".to_owned(),
+    }
+}

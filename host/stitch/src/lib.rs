@@ -9,6 +9,8 @@
 //! boards beside the fish ──► orientation ──► the turn of both eyes in the body, or a scale of its own
 //! poses ──► views (both eyes in one picture) ──► colour ──► seam ◄──► align ──► curves, shares, warp
 //! ```
+//!
+//! [`session`] does all of it in one call: pictures to a rig with its files and a report.
 
 pub mod align;
 mod bspline;
@@ -24,6 +26,7 @@ pub mod registration;
 pub mod relative;
 pub mod report;
 pub mod seam;
+pub mod session;
 mod views;
 
 pub use correspondence::Correspondence;

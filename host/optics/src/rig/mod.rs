@@ -12,6 +12,7 @@ mod registered;
 mod stitching;
 #[cfg(test)]
 mod tests;
+mod written;
 
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,7 @@ pub use file::Medium;
 use file::RigFile;
 pub use of_eye_files::RigOfEyeFiles;
 pub use stitching::{NamedFile, RgbCurves, SeamMap, Stitching, StitchingFile, WarpMap};
+pub use written::{RigFiles, StitchingPictures};
 
 use crate::convention::angle_between;
 use crate::io::any::Format;

@@ -44,7 +44,8 @@ pub(super) fn rig(parsed: RigFile, file: &str) -> Result<Rig, RigError> {
     let seen = seen.map(|(name, eye)| centre::remark(&eye.as_ref()?.eye, name));
     let folder = Path::new(file).parent().unwrap_or(Path::new(""));
     let named = parsed.stitching.as_ref();
-    let stitching = named.map(|named| stitching::read(named, folder, file));
+    let stitching =
+        named.map(|named| stitching::read(named, |named| stitching::bytes_in(folder, named), file));
     Ok(Rig {
         name: parsed.name.clone(),
         medium: parsed.medium,

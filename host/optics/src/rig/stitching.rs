@@ -234,10 +234,16 @@ impl<const N: usize> Raster<N> {
     }
 }
 
-/// Reads what a rig's `[stitching]` names, relative to `folder`.
+/// The bytes of a file that a rig in `folder` names.
+pub(super) fn bytes_in(folder: &Path, named: &NamedFile) -> Result<Vec<u8>, RigError> {
+    let path = folder.join(&named.file);
+    read_limited(&path, MAX_PICTURE_BYTES).map_err(|source| RigError::Read { path, source })
+}
+
+/// Reads what a rig's `[stitching]` names; `bytes_of` has the bytes of a file.
 pub(super) fn read(
     named: &StitchingFile,
-    folder: &Path,
+    bytes_of: impl Fn(&NamedFile) -> Result<Vec<u8>, RigError>,
     rig_file: &str,
 ) -> Result<Stitching, RigError> {
     let keys = |what: String| RigError::Keys {
@@ -245,11 +251,7 @@ pub(super) fn read(
         what: format!("[stitching] {what}"),
     };
     let picture = |named: &NamedFile| -> Result<DynamicImage, RigError> {
-        let path = folder.join(&named.file);
-        let bytes = read_limited(&path, MAX_PICTURE_BYTES).map_err(|source| RigError::Read {
-            path: path.clone(),
-            source,
-        })?;
+        let bytes = bytes_of(named)?;
         if hex(&bytes) != named.sha256 {
             return Err(keys(format!(
                 "{} is not the file that this rig was made with: register again",

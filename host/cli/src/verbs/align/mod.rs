@@ -12,14 +12,14 @@ use image::imageops::grayscale;
 use tectum_bake::output_map;
 use tectum_calibrate::BoardSize;
 use tectum_optics::design::{OrientationBoard, PitchConvention};
-use tectum_optics::{OutputMap, Side};
+use tectum_optics::{OutputMap, RigFiles, Side};
 use tectum_stitch::orientation::{
     Alignment, Correction, OwnScale, Placement, Shot, TurnAbout, align, corrected,
 };
+use tectum_stitch::session::stitching_pictures;
 use tectum_tables::RunKind;
 
 use crate::report::{Report, Usage};
-use crate::rig_files::{Parts, RigFiles};
 use crate::shown::run_at;
 use crate::{detecting, files, pictures};
 
@@ -159,14 +159,10 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
             args.rig.display()
         );
     }
-    let outputs = args.output.as_deref().map(RigFiles::new);
     let inputs = args.board_left.iter().chain(&args.board_right);
     let inputs = inputs.chain([&args.table]).cloned();
     files::check_outputs(
-        outputs
-            .iter()
-            .map(RigFiles::rig)
-            .chain(args.picture.as_deref()),
+        args.output.iter().chain(&args.picture),
         inputs.chain(files::rig_inputs(&args.rig)),
     )?;
     if let Some(path) = &args.picture {
@@ -212,20 +208,19 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         scale: scale.as_ref(),
     };
     let mut written = Vec::new();
-    if let Some(outputs) = &outputs {
+    if let Some(output) = &args.output {
         let correction = match (args.correct, &scale) {
             (CorrectName::Turn, _) => Correction::Turn,
             (CorrectName::Scale, Some(scale)) => Correction::Scale(scale.clone()),
             (CorrectName::Scale, None) => bail!("the boards' corners give no scale"),
         };
         let right = corrected(&rig, &found, &correction, SEAM_PX)?;
-        let parts = Parts {
-            seam_png: right.seam_png,
-            curves: right.tone.as_ref(),
-            warp: right.warp.as_ref(),
-        };
+        let pictures =
+            stitching_pictures(right.seam_png, right.tone.as_ref(), right.warp.as_ref())?;
         let from = format!("{} and orientation boards", args.rig.display());
-        (_, written) = outputs.write(&right.rig, &parts, &from)?;
+        let files = RigFiles::new(&right.rig, pictures, output, &from)?;
+        files::write_rig(&files)?;
+        written.extend(files.paths().map(PathBuf::from));
     }
     if let Some(path) = &args.picture {
         pictures::save(path, drawing::draw(&done))?;

@@ -15,9 +15,10 @@ use tectum_stitch::features::{
     Detector, LOWE_RATIO, Matcher, Overlap, View, correspond, shot_features,
 };
 use tectum_stitch::registration::Tie;
+use tectum_stitch::session::{paired_boards, refused};
 
-use crate::boards::{self, TargetArgs};
-use crate::paired::PairArgs;
+use crate::boards::TargetArgs;
+use crate::paired::{PairArgs, PairFiles};
 use crate::progress::Progress;
 use crate::report::{Report, path_json, paths_json};
 use crate::{files, pictures};
@@ -120,13 +121,13 @@ fn boards_row(
     if !args.targets.are_given() {
         return Ok(Vec::new());
     }
-    let found = boards::paired(rig, &args.rig, &args.targets.targets()?, files)?;
+    let found = paired_boards(rig, &args.targets.targets()?, &PairFiles { rig, files })?;
     let ties = Tie::of_boards(&found.outcomes);
     let matches = ties.iter().map(|tie| tie.pair).collect();
     let name = "boards".to_owned();
     let row = Row::measure(name, View::Raw, found.corners, matches, overlap);
     rows.push(row.with_boards(rig, &ties, overlap));
-    Ok(boards::refused(&found.outcomes))
+    Ok(refused(&found.outcomes))
 }
 
 fn detectors(args: &Args) -> anyhow::Result<Vec<(Matcher, Detector)>> {

@@ -1,35 +1,25 @@
 //! `tectum register`: pictures that both eyes took at once to a rig whose eyes fit together.
 
-mod appearance;
 mod distance;
-mod outputs;
-mod page;
 mod summary;
-mod ties;
 
 use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::ValueEnum;
-use image::RgbImage;
-use tectum_optics::Rig;
 use tectum_stitch::distance::Toward;
-use tectum_stitch::registration::{Registration, Tie};
-use tectum_stitch::seam::Loss;
-use tectum_stitch::{Correspondence, Eyes};
+use tectum_stitch::features::Matcher;
+use tectum_stitch::session::{
+    Input, Options, Pictures, Poses, SeamChoice, SessionError, Step, ToneMatch, WantedDistance,
+    html, register_pictures,
+};
 
 use crate::args::Size;
 use crate::boards::TargetArgs;
 use crate::files;
-use crate::paired::{self, PairArgs};
+use crate::paired::{self, PairArgs, PairFiles};
 use crate::progress::Progress;
 use crate::report::Report;
-use appearance::{Appearance, Cost};
-use distance::{Distance, Wanted};
-use ties::Ties;
-
-/// Pairs whose colours and seam are looked at: more tell nothing new, and each takes a second.
-const LOOKED_AT: usize = 12;
 
 /// Pictures that both eyes took at once to a rig whose eyes fit together
 #[derive(clap::Args)]
@@ -70,7 +60,7 @@ pub struct Args {
     /// Distance at which the pictures are joined, m, `inf`, `boards` (where they stand), or `auto`: as
     /// the pictures have it, if they say so clearly (default: the rig's)
     #[arg(long, value_name = "auto|boards|METRES", value_parser = distance::parse)]
-    distance: Option<Wanted>,
+    distance: Option<WantedDistance>,
     /// Directions whose distance `--distance auto` looks for: yaws in degrees from right to left, or
     /// `all`
     #[arg(long, value_name = "FROM..TO|all", value_parser = distance::parse_toward,
@@ -130,138 +120,107 @@ enum ToneName {
 
 /// Registers.
 pub fn run(args: &Args) -> anyhow::Result<Report> {
-    let mut rig = files::rig(&args.rig)?;
-    // Found anew below: an earlier bend in the pictures would be measured, but not written.
-    rig.stitching = None;
-    let plain = rig.clone();
-    let outputs = outputs::Outputs::new(args);
+    let rig = files::rig(&args.rig)?;
     let paired = args.pairs.paired()?;
     let pictures = paired.files.iter().flatten();
     let pictures = pictures.chain(&args.scene_left).chain(&args.scene_right);
-    let pictures = pictures.cloned();
-    files::check_outputs(
-        outputs.named(),
-        pictures.chain(files::rig_inputs(&args.rig)),
-    )?;
-    let progress = Progress::new(5);
-    progress.step("matching");
-    let (ties, registration) = if args.keep_poses {
-        (None, None)
-    } else {
-        let ties = Ties::find(args, &rig, &paired.files, &progress)?;
-        progress.step("registering");
-        let registration = ties.register(&rig)?;
-        (Some(ties), Some(registration))
-    };
-    let found = registration.as_ref().map_or(&rig, |found| &found.rig);
-    let scenes = match args.scene_left.is_empty() {
+    let outputs = std::iter::once(&args.output).chain(&args.report);
+    let inputs = pictures.cloned().chain(files::rig_inputs(&args.rig));
+    files::check_outputs(outputs, inputs)?;
+    let options = args.options()?;
+    let scene = match args.scene_left.is_empty() {
         true => None,
         false => Some(paired::of_files(&args.scene_left, &args.scene_right)?),
     };
-    let files = scenes
-        .as_ref()
-        .map_or(&paired.files, |scenes| &scenes.files);
-    let every = files.len().div_ceil(LOOKED_AT).max(1);
-    let looked_at = files.iter().step_by(every);
-    let pictures: anyhow::Result<Vec<Eyes<RgbImage>>> =
-        looked_at.map(|files| paired::load(found, files)).collect();
-    let pictures = pictures?;
-    progress.step("stitch distance");
-    let points = ties.as_ref().map_or(&[][..], |ties| &ties.ties);
-    let distance = Distance::choose(args.distance, found, &pictures, args.toward, points)?;
-    let registered = &distance.rig;
-    progress.step("colours and seam");
-    let mut appearance = Appearance::find(args, registered, &pictures)?;
-    if scenes.is_none() && ties.as_ref().is_some_and(|ties| !ties.outcomes.is_empty()) {
-        appearance.warnings.push(
-            "Colours, seam and bend come from pictures with boards in them, and the seam goes round \
-             these: give pictures of a scene with --scene-left and --scene-right."
-                .into(),
-        );
-    }
-    progress.step("writing");
-    let (rig, mut written) = outputs.write_rig(registered, &appearance)?;
-    let stitched = appearance::stitched(&rig, &pictures[0])?;
-    let cost = Cost::of(&plain, &rig, args.size.0)?;
-    let loss = loss(&rig, points, &appearance);
-    let done = Done {
-        args,
-        files: &paired.files,
-        ties: ties.as_ref(),
-        registration: registration.as_ref(),
-        distance: &distance,
-        appearance: &appearance,
-        stitched: &stitched,
-        pictures: &pictures,
-        every: scenes.is_none().then_some(every),
-        cost: &cost,
-        loss,
+    let of_rig = |files| PairFiles { rig: &rig, files };
+    let scene = scene.as_ref().map(|scene| of_rig(&scene.files));
+    let input = Input {
+        rig: &rig,
+        rig_file: &args.output,
+        pairs: &of_rig(&paired.files),
+        scene: scene.as_ref().map(|scene| scene as &dyn Pictures),
     };
-    if let Some(path) = outputs.report() {
-        files::write(path, page::html(&done).as_bytes())?;
-        written.push(path.to_owned());
+    let progress = Progress::new(5);
+    let found = register_pictures(&input, &options, &|step| say(&progress, step));
+    let found = found.map_err(|error| explain(error, args))?;
+    files::write_rig(&found.files)?;
+    let mut written: Vec<PathBuf> = found.files.paths().map(PathBuf::from).collect();
+    let warnings = summary::warnings(&found);
+    if let Some(path) = &args.report {
+        files::write(path, html(&found, &warnings).as_bytes())?;
+        written.push(path.clone());
     }
-    Ok(summary::report(&done, &paired.alone, &written))
+    Ok(summary::report(&found, &warnings, &paired.alone, &written))
 }
 
-/// All that was done.
-struct Done<'a> {
-    args: &'a Args,
-    files: &'a [Eyes<PathBuf>],
-    ties: Option<&'a Ties>,
-    registration: Option<&'a Registration>,
-    distance: &'a Distance,
-    appearance: &'a Appearance,
-    stitched: &'a appearance::Stitched,
-    /// What colours and seam come from.
-    pictures: &'a [Eyes<RgbImage>],
-    /// They are every so many of the shots; `None` if they are others.
-    every: Option<usize>,
-    cost: &'a Cost,
-    loss: Option<Loss>,
-}
-
-/// What the seam cuts away and shows twice of the points that were matched, or along the seam.
-fn loss(rig: &Rig, ties: &[Tie], found: &Appearance) -> Option<Loss> {
-    let seam = rig.stitching.as_ref().and_then(|s| s.seam.as_ref());
-    let points: Vec<Correspondence> = ties.iter().map(|tie| tie.pair).collect();
-    seam.and_then(|seam| Loss::of_points(rig, seam, &points))
-        .or_else(|| Loss::of_parallaxes(found.matches.iter().map(|found| found.parallax_rad)))
-}
-
-impl Done<'_> {
-    /// Name of a shot.
-    fn shot_name(&self, shot: usize) -> String {
-        let [left, right] = &self.files[shot];
-        let name = |file: &PathBuf| {
-            file.file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned()
-        };
-        match name(left) == name(right) {
-            true => name(left),
-            false => format!("{} and {}", name(left), name(right)),
-        }
+fn say(progress: &Progress, step: Step) {
+    match step {
+        Step::Matching => progress.step("matching"),
+        Step::Pairs(pairs) => progress.more(pairs),
+        Step::Pair { pair, of } => progress.step(format!("matching pair {} of {of}", pair + 1)),
+        Step::Registering => progress.step("registering"),
+        Step::Distance => progress.step("stitch distance"),
+        Step::Appearance => progress.step("colours and seam"),
+        Step::Stitching => progress.step("table"),
     }
 }
 
-/// Matches that agree.
-fn agreeing(found: &Registration) -> usize {
-    found.inliers.iter().filter(|agrees| **agrees).count()
+/// An error with the arguments that help.
+fn explain(error: SessionError, args: &Args) -> anyhow::Error {
+    match error {
+        SessionError::NoBoardDistance => anyhow::anyhow!(
+            "--distance boards needs boards whose corners are matched: give --target or --board"
+        ),
+        SessionError::OneEye => anyhow::Error::new(error).context(args.rig.display().to_string()),
+        error => error.into(),
+    }
 }
 
 impl Args {
-    /// Refuses what contradicts itself, or names the way to match.
-    fn matcher(&self) -> anyhow::Result<MatcherName> {
+    fn options(&self) -> anyhow::Result<Options> {
+        Ok(Options {
+            poses: self.poses()?,
+            distance: self.distance.unwrap_or(WantedDistance::OfRig),
+            toward: self.toward,
+            size_px: self.size.0,
+            tone: match self.tone {
+                ToneName::Match => ToneMatch::Match,
+                ToneName::Histogram => ToneMatch::Histogram,
+                ToneName::None => ToneMatch::Keep,
+            },
+            seam: match (self.no_seam, self.no_align) {
+                (true, _) => SeamChoice::Geometry,
+                (false, true) => SeamChoice::Cut,
+                (false, false) => SeamChoice::CutAndBend,
+            },
+            width_px: self.width,
+        })
+    }
+
+    /// Refuses what contradicts itself, or says where the poses come from.
+    fn poses(&self) -> anyhow::Result<Poses> {
+        if self.keep_poses {
+            return Ok(Poses::Keep);
+        }
         let boards = self.targets.are_given();
-        match self.matcher {
+        let matcher = match self.matcher {
             Some(MatcherName::Board) if !boards => bail!(
                 "--matcher board needs the board: --target FILE.json, or --board 8x6 --square-mm 30"
             ),
-            Some(matcher) => Ok(matcher),
-            None if boards => Ok(MatcherName::Board),
-            None => Ok(MatcherName::Rootsift),
-        }
+            Some(MatcherName::Board) => return self.boards(),
+            None if boards => return self.boards(),
+            Some(MatcherName::Sift) => Matcher::Sift,
+            Some(MatcherName::Rootsift) | None => Matcher::RootSift,
+            Some(MatcherName::Orb) => Matcher::Orb,
+            Some(MatcherName::Superpoint) => Matcher::SuperPoint,
+        };
+        Ok(Poses::Features {
+            matcher,
+            weights: self.weights.clone(),
+        })
+    }
+
+    fn boards(&self) -> anyhow::Result<Poses> {
+        Ok(Poses::Boards(self.targets.targets()?))
     }
 }

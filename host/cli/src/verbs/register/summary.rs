@@ -1,43 +1,69 @@
 //! What registration says, to a person and to a script.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
-use tectum_stitch::epipolar::HeldOut;
 use tectum_stitch::registration::parallax_at;
 use tectum_stitch::seam::{RangeLoss, range_losses};
+use tectum_stitch::session::{Cost, Registered, Ties, Warning, missed};
 
-use super::ties::Ties;
-use super::{Done, agreeing};
+use super::distance;
 use crate::report::{Report, paths_json};
 
+/// What could not be done or looks wrong, with the arguments that help, a sentence each.
+pub fn warnings(done: &Registered) -> Vec<String> {
+    let sentence = |warning: &Warning| {
+        match warning {
+        Warning::LowSimilarity { ssim } => format!(
+            "The SSIM of both eyes' pictures along the seam is {ssim:.2} only, right poses give 0.75 or \
+             more: are the pictures of the same instant, the poses right \
+             (register by boards, or without --keep-poses), and is the scene as far away as the stitch \
+             distance (--distance auto)?"
+        ),
+        Warning::BoardsInScene => {
+            "Colours, seam and bend come from pictures with boards in them, and the seam goes round \
+             these: give pictures of a scene with --scene-left and --scene-right."
+                .to_owned()
+        }
+        Warning::Colours(_) => warning.to_string(),
+    }
+    };
+    done.appearance.warnings.iter().map(sentence).collect()
+}
+
 /// The verb's report.
-pub fn report(done: &Done, alone: &[PathBuf], written: &[PathBuf]) -> Report {
+pub fn report(
+    done: &Registered,
+    warnings: &[String],
+    alone: &[PathBuf],
+    written: &[PathBuf],
+) -> Report {
+    let rig = written.first().map_or(Path::new(""), |rig| rig);
     let mut text = format!(
         "{}: {} pairs of pictures\n\n",
-        done.args.output.display(),
-        done.files.len()
+        rig.display(),
+        done.pairs.len()
     );
     poses(done, &mut text);
-    let _ = writeln!(text, "distance   {}", done.distance.text());
-    if let Some(boards) = done.distance.boards() {
+    let _ = writeln!(text, "distance   {}", distance::text(&done.distance));
+    if let Some(boards) = distance::boards(&done.distance) {
         let _ = writeln!(text, "           {boards}");
     }
     appearance(done, &mut text);
     losses(done, &mut text);
-    let _ = writeln!(text, "table      {}", done.cost.text());
+    let _ = writeln!(text, "table      {}", table(&done.cost));
     if let Some(bend) = done.cost.bend_deg {
         let _ = writeln!(
             text,
             "bend       a look-up in the stitched picture is off by up to {bend:.3} degrees"
         );
     }
-    for warning in &done.appearance.warnings {
+    for warning in warnings {
         let _ = writeln!(text, "{warning}");
     }
-    for line in done.ties.into_iter().flat_map(|ties| ties.refused()) {
+    for line in done.ties.iter().flat_map(|ties| ties.refused()) {
         let _ = writeln!(text, "no matches in {line}");
     }
     for file in alone {
@@ -48,20 +74,21 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[PathBuf]) -> Report {
         .map(|path| path.display().to_string())
         .collect();
     let _ = writeln!(text, "wrote      {}", names.join(", "));
+    let (ties, registration) = (done.ties.as_ref(), done.registration.as_ref());
     let json = json!({
-        "pairs": done.files.len(),
+        "pairs": done.pairs.len(),
         "unpaired": paths_json(alone),
-        "matcher": done.ties.map(|ties| ties.matcher),
-        "matches": done.ties.map(Ties::matches),
-        "refused": done.ties.map(|ties| ties.refused()),
-        "inliers": done.registration.map(agreeing),
-        "rms_px": done.registration.map(|found| found.rms_px),
-        "rms_deg": done.registration.map(|found| found.rms_deg),
-        "registration": done.registration,
-        "parallax": done.registration.map(|found| {
+        "matcher": ties.map(|ties| ties.matcher),
+        "matches": ties.map(Ties::matches),
+        "refused": ties.map(|ties| ties.refused()),
+        "inliers": done.agreeing(),
+        "rms_px": registration.map(|found| found.rms_px),
+        "rms_deg": registration.map(|found| found.rms_deg),
+        "registration": registration,
+        "parallax": registration.map(|found| {
             parallax_at(found.baseline_m, done.distance.metres())
         }),
-        "distance": done.distance.json(),
+        "distance": distance::json(&done.distance),
         "colour": done.appearance.colour,
         "alignment": done.appearance.alignment,
         "seam": seam_json(done),
@@ -73,13 +100,13 @@ pub fn report(done: &Done, alone: &[PathBuf], written: &[PathBuf]) -> Report {
             "bytes_before": done.cost.before.as_ref().ok(),
             "bend_deg": done.cost.bend_deg,
         },
-        "warnings": done.appearance.warnings,
+        "warnings": warnings,
         "files": paths_json(written),
     });
     Report::new(text, json)
 }
 
-fn seam_json(done: &Done) -> Value {
+fn seam_json(done: &Registered) -> Value {
     let alignment = done.appearance.alignment.as_ref();
     json!({
         "ssim": alignment.map(|found| found.ssim_after),
@@ -90,8 +117,8 @@ fn seam_json(done: &Done) -> Value {
     })
 }
 
-fn poses(done: &Done, text: &mut String) {
-    let (Some(ties), Some(found)) = (done.ties, done.registration) else {
+fn poses(done: &Registered, text: &mut String) {
+    let (Some(ties), Some(found)) = (&done.ties, &done.registration) else {
         let _ = writeln!(text, "poses      kept");
         return;
     };
@@ -102,7 +129,7 @@ fn poses(done: &Done, text: &mut String) {
          turned     {:.3} degrees against each other, standard error {:.4}\n\
          scales     {:.5} left, {:.5} right\n\
          baseline   {:.1} mm{}",
-        agreeing(found),
+        done.agreeing().unwrap_or_default(),
         ties.matches(),
         ties.matcher,
         found.rms_px,
@@ -126,20 +153,21 @@ fn poses(done: &Done, text: &mut String) {
     }
 }
 
-/// How far matches that took no part miss both poses.
-pub fn missed(held_out: &HeldOut) -> String {
-    let rig = match held_out.rig_deg.is_finite() {
-        true => format!("the rig's by {:.3}", held_out.rig_deg),
-        false => "the rig's explain less than half of them".to_owned(),
-    };
-    format!(
-        "matches that took no part miss the poses found from the others by {:.3} degrees (median), {rig}",
-        held_out.found_deg
-    )
+/// What the table costs, a sentence.
+fn table(cost: &Cost) -> String {
+    let [width, height] = cost.size_px;
+    match (&cost.before, &cost.after) {
+        (Ok(before), Ok(after)) => format!(
+            "{after} bytes at {width}x{height}, {before} before registration ({:.2} times)",
+            *after as f64 / *before as f64
+        ),
+        (Err(_), Ok(after)) => format!("{after} bytes at {width}x{height}"),
+        (_, Err(error)) => format!("none at {width}x{height}: {error}"),
+    }
 }
 
 /// What the seam cuts away or shows twice.
-fn losses(done: &Done, text: &mut String) {
+fn losses(done: &Registered, text: &mut String) {
     let rows = range_losses(&done.distance.rig, &Vector3::x());
     if rows.iter().any(|row| row.lost_deg.abs() >= 0.005) {
         let row = |row: &RangeLoss| {
@@ -163,8 +191,8 @@ fn losses(done: &Done, text: &mut String) {
     }
 }
 
-fn appearance(done: &Done, text: &mut String) {
-    let found = done.appearance;
+fn appearance(done: &Registered, text: &mut String) {
+    let found = &done.appearance;
     if let Some(colour) = &found.colour {
         let what = match colour.is_kept {
             true => {

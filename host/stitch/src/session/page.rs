@@ -1,27 +1,24 @@
 //! The report's page.
 
-use tectum_stitch::Correspondence;
-use tectum_stitch::registration::parallax_at;
-use tectum_stitch::report::{Figure, ReportInput, Shot, html as page};
-
-use super::distance::named;
-use super::summary::missed;
-use super::{Done, agreeing};
+use super::{Registered, WantedDistance};
+use crate::Correspondence;
+use crate::distance::named;
+use crate::epipolar::HeldOut;
+use crate::registration::parallax_at;
+use crate::report::{Figure, ReportInput, Shot, html as page};
 
 /// Energy that is white in the report, grey levels.
 const WHITE_LEVELS: f32 = 64.0;
 
-/// The page.
-pub fn html(done: &Done) -> String {
+/// The report as an HTML page. `warnings` are the words for those of [`Registered::appearance`], which may
+/// say more of what to do than their own.
+pub fn html(done: &Registered, warnings: &[String]) -> String {
     let matches = matches(done);
-    let names: Vec<String> = (0..matches.len())
-        .map(|shot| done.shot_name(shot))
-        .collect();
     let shots: Vec<Shot> = matches
         .iter()
         .enumerate()
         .map(|(shot, matches)| Shot {
-            name: &names[shot],
+            name: &done.pairs[shot],
             pictures: done
                 .every
                 .filter(|every| shot % every == 0)
@@ -32,21 +29,24 @@ pub fn html(done: &Done) -> String {
         .collect();
     let energy = done.appearance.seam.as_ref();
     let energy = energy.map(|seam| seam.picture(WHITE_LEVELS));
-    let parallax = done.registration.map_or_else(Vec::new, |found| {
+    let parallax = done.registration.as_ref().map_or_else(Vec::new, |found| {
         parallax_at(found.baseline_m, done.distance.metres())
     });
     let parallax: Vec<[f64; 2]> = parallax
         .iter()
         .map(|row| [row.range_m, row.angle_deg.to_radians()])
         .collect();
-    let mut warnings = done.appearance.warnings.clone();
-    warnings.extend(done.ties.into_iter().flat_map(|ties| ties.refused()));
-    let name = done.args.output.file_stem().unwrap_or_default();
+    let mut warnings = warnings.to_vec();
+    warnings.extend(done.ties.iter().flat_map(|ties| ties.refused()));
+    let mut paths = done.files.paths();
+    let name = paths.next().and_then(|rig| rig.file_stem());
+    let name = name.unwrap_or_default();
     let [before, after] = similarity(done);
     page(&ReportInput {
         rig: &name.to_string_lossy(),
         matcher: done
             .ties
+            .as_ref()
             .map_or("nothing: the eyes are kept", |ties| ties.matcher),
         figures: &figures(done),
         verdict: &verdict(done),
@@ -61,8 +61,8 @@ pub fn html(done: &Done) -> String {
 }
 
 /// What came of the eyes' poses.
-fn verdict(done: &Done) -> String {
-    let Some(found) = done.registration else {
+fn verdict(done: &Registered) -> String {
+    let Some(found) = &done.registration else {
         return "The eyes' poses are kept, as asked.".into();
     };
     let sure = 2.0 * found.turn_standard_error_deg;
@@ -79,26 +79,26 @@ fn verdict(done: &Done) -> String {
 }
 
 /// By shot, matches and the angle left, rad.
-fn matches(done: &Done) -> Vec<Vec<(Correspondence, Option<f64>)>> {
-    let (Some(ties), Some(found)) = (done.ties, done.registration) else {
+fn matches(done: &Registered) -> Vec<Vec<(Correspondence, Option<f64>)>> {
+    let (Some(ties), Some(found)) = (&done.ties, &done.registration) else {
         return Vec::new();
     };
-    let mut shots = vec![Vec::new(); done.files.len()];
+    let mut shots = vec![Vec::new(); done.pairs.len()];
     for (tie, left_deg) in ties.ties.iter().zip(&found.residuals_deg) {
         shots[tie.pair.shot].push((tie.pair, left_deg.map(f64::to_radians)));
     }
     shots
 }
 
-fn figures(done: &Done) -> Vec<Figure> {
+fn figures(done: &Registered) -> Vec<Figure> {
     let mut figures = Vec::new();
     let mut add = |value: String, name, note: String| figures.push(Figure { value, name, note });
-    if let (Some(ties), Some(found)) = (done.ties, done.registration) {
-        let inliers = agreeing(found);
+    if let (Some(ties), Some(found)) = (&done.ties, &done.registration) {
+        let inliers = done.agreeing().unwrap_or_default();
         add(
             format!("{inliers} of {}", ties.matches()),
             "matches",
-            format!("agree, in {} pairs of pictures", done.files.len()),
+            format!("agree, in {} pairs of pictures", done.pairs.len()),
         );
         add(
             format!("{:.3}°", found.rms_deg),
@@ -120,11 +120,7 @@ fn figures(done: &Done) -> Vec<Figure> {
             },
         );
     }
-    add(
-        named(done.distance.metres()),
-        "stitch distance",
-        done.distance.hint().unwrap_or_default(),
-    );
+    add(named(done.distance.metres()), "stitch distance", hint(done));
     if let Some(colour) = &done.appearance.colour {
         add(
             format!(
@@ -167,11 +163,33 @@ fn figures(done: &Done) -> Vec<Figure> {
 }
 
 /// Similarity along the cut, before and after alignment, by angle around the eyes' axis, deg.
-fn similarity(done: &Done) -> [Vec<[f64; 2]>; 2] {
+fn similarity(done: &Registered) -> [Vec<[f64; 2]>; 2] {
     let degrees = |dots: &Vec<[f64; 2]>| {
         dots.iter()
             .map(|dot| [dot[0].to_degrees(), dot[1]])
             .collect()
     };
     done.appearance.along.each_ref().map(degrees)
+}
+
+/// A better distance that was not taken, in a few words.
+fn hint(done: &Registered) -> String {
+    match (done.distance.wanted, done.distance.clear()) {
+        (WantedDistance::OfRig, Some(found)) => {
+            format!("the pictures ask for {}", named(found.distance_m))
+        }
+        _ => String::new(),
+    }
+}
+
+/// How far matches that took no part miss both poses.
+pub fn missed(held_out: &HeldOut) -> String {
+    let rig = match held_out.rig_deg.is_finite() {
+        true => format!("the rig's by {:.3}", held_out.rig_deg),
+        false => "the rig's explain less than half of them".to_owned(),
+    };
+    format!(
+        "matches that took no part miss the poses found from the others by {:.3} degrees (median), {rig}",
+        held_out.found_deg
+    )
 }
