@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 use tectum_fixture::frames::{self, Layout};
+use tectum_fixture::random;
 use tectum_tables::{Eye, Tables};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -35,7 +36,35 @@ fn main() -> Result<(), Box<dyn Error>> {
         fs::write(out.join(name).with_extension("tct"), bytes)?;
     }
     write_sizes(&picture, &out)?;
-    write_frames(&picture, &out)
+    write_frames(&picture, &out)?;
+    write_random(&picture, &out)
+}
+
+/// As many random tables as the smallest board has flash for.
+const RANDOM_TABLES: u64 = 48;
+/// Their largest output, px.
+const RANDOM_PX: [u16; 2] = [70, 9];
+
+/// Random tables with the CRC-32 of what this machine makes of them.
+fn write_random(picture: &Tables, out: &Path) -> Result<(), Box<dyn Error>> {
+    let frame = |layout, eye| {
+        let [width, height] = picture.source_size_px(eye).unwrap_or_default();
+        frames::bytes(layout, eye as u32, width, height).collect::<Vec<u8>>()
+    };
+    let pairs = Layout::ALL.map(|layout| [Eye::Left, Eye::Right].map(|eye| frame(layout, eye)));
+    let pair = |layout: Layout| pairs[layout as usize].each_ref().map(Vec::as_slice);
+    let mut room = vec![0; 3 * RANDOM_PX.map(usize::from).iter().product::<usize>()];
+    let mut blob = Vec::new();
+    for seed in 0..RANDOM_TABLES {
+        let bytes = tectum_exact::table(&mut tectum_exact::rng(seed), RANDOM_PX).to_bytes()?;
+        let tables = Tables::parse(&bytes)?;
+        let crc = random::checksum(&tables, pair, &mut room)
+            .map_err(|error| format!("random table {seed}: {error:?}"))?;
+        blob.extend(crc.to_le_bytes());
+        blob.extend((bytes.len() as u32).to_le_bytes());
+        blob.extend(bytes);
+    }
+    Ok(fs::write(out.join("random.bin"), blob)?)
 }
 
 fn write_sizes(tables: &Tables, out: &Path) -> Result<(), Box<dyn Error>> {

@@ -14,6 +14,8 @@ pub static SCALED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/scaled.tct"
 pub static ONE_EYE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/one_eye.tct"));
 /// All pixels blended from both eyes.
 pub static BLEND: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/blend.tct"));
+/// Random tables, each behind its CRC-32 of all pictures on the host and its length.
+pub static RANDOM: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/random.bin"));
 /// No pixel from any eye.
 pub static VOID: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/void.tct"));
 

@@ -53,6 +53,11 @@ impl RowWeights {
         }
     }
 
+    /// Weights, and the shifts to Q8 of their sum and of a vertex.
+    pub(crate) fn parts(&self) -> ([i32; 3], u32, u32) {
+        (self.weights, self.shift, self.vertex_shift)
+    }
+
     /// Row value in Q8 from four vertices of one column, top to bottom; rounds half up.
     #[inline(always)]
     pub(crate) fn apply(&self, v: [i16; 4]) -> i32 {
@@ -135,14 +140,6 @@ impl Axis {
     #[inline(always)]
     pub fn offset(&self) -> Offset {
         self.offset
-    }
-
-    /// The present offset and its first to third forward differences, Q24: all that [`Axis::step`]
-    /// needs, for whoever steps by other means.
-    #[inline(always)]
-    pub fn differences(&self) -> [i32; 4] {
-        let [first, second, third] = self.difference;
-        [self.offset.0, first, second, third]
     }
 
     /// Position in Q8 pixels.

@@ -39,7 +39,7 @@ pub use eye_rays::EyeRays;
 #[doc(hidden)]
 pub use in_order::in_order;
 pub use layout::{Eye, MAGIC, MeterPair, OverlayLine, Placement, Vertex};
-pub use mesh::{Mesh, Segments};
+pub use mesh::{Mesh, NextCell, RunNumbers, Segments};
 pub use output_map::{OutputMap, ProjectionKind};
 pub use overlay::{BAND_ROWS, LINE_UNITS, MAX_BAND_REACH, MAX_BAND_RECORDS, Overlay, is_bounded};
 pub use runs::{MAX_ROW_RUNS, RAMP_FULL, Ramp, RowRuns, Run, RunKind, Runs};

@@ -190,7 +190,69 @@ pub struct Segments<'a> {
     left: u32,
 }
 
+/// The numbers that all cells of a run are set up with, for whoever computes them by other means than
+/// [`Segments`] as an iterator: `FORMAT.md`, "Position of an output pixel".
+#[derive(Debug, Clone, Copy)]
+pub struct RunNumbers {
+    /// Weights of the three differences of a column's four vertices, times 2 S^3.
+    pub weights: [i32; 3],
+    /// From vertex units times 2 S^3 to Q8.
+    pub shift: u32,
+    /// From vertex units to Q8.
+    pub vertex_shift: u32,
+    /// Source position that vertices are relative to, px.
+    pub origin_px: [i32; 2],
+    /// Row values of the three columns before the first cell's last one: [x, y] in Q8.
+    pub ring: [[i32; 2]; 3],
+}
+
+/// The next cell of a run: what is new in it.
+#[derive(Debug, Clone, Copy)]
+pub struct NextCell {
+    /// Its fourth column of vertices, top to bottom: x in the lower and y in the upper half.
+    pub column: [u32; 4],
+    /// The first pixel in it.
+    pub first: u32,
+    /// Number of pixels that the run has of it, at least 1.
+    pub len: u32,
+}
+
 impl Segments<'_> {
+    /// What the run's cells are set up with, before any is taken.
+    pub fn numbers(&self) -> RunNumbers {
+        let (weights, shift, vertex_shift) = self.weights.parts();
+        RunNumbers {
+            weights,
+            shift,
+            vertex_shift,
+            origin_px: self.origin,
+            ring: self.ring,
+        }
+    }
+
+    /// Output pixels from vertex to vertex, as a power of 2: 3..=5.
+    pub fn step_log2(&self) -> u32 {
+        self.step_log2
+    }
+
+    /// Takes the next cell without setting it up.
+    #[inline(always)]
+    pub fn next_cell(&mut self) -> Option<NextCell> {
+        if self.left == 0 {
+            return None;
+        }
+        let (((a, b), c), d) = self.columns.next()?;
+        let column = [a, b, c, d].map(|vertex| {
+            let [x, y] = vertex.xy();
+            u32::from(x as u16) | u32::from(y as u16) << 16
+        });
+        let first = self.k;
+        let len = (1 << self.step_log2).min(first + self.left) - first;
+        self.left -= len;
+        self.k = 0;
+        Some(NextCell { column, first, len })
+    }
+
     #[inline(always)]
     fn next_column(&mut self) -> Option<[i32; 2]> {
         let (((a, b), c), d) = self.columns.next()?;

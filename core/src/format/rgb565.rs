@@ -91,10 +91,15 @@ fn widened<const BITS: u32>(value: u32) -> u32 {
 /// What a channel of `BITS` bits becomes.
 #[inline(always)]
 fn toned<const BITS: u32>(value: u32, curve: &Curve) -> u32 {
-    let full = (1 << BITS) - 1;
     // At most 8 bits, whatever the compiler knows of it.
     let value = curve[widened::<BITS>(value) as usize & 255];
-    (u32::from(value) * full + 127) / 255
+    // Times the greatest value over 255, rounded: exact for all 256, as the test below has it.
+    let [factor, half, shift] = if BITS == 5 {
+        [249, 1020, 11]
+    } else {
+        [253, 510, 10]
+    };
+    (u32::from(value) * factor + half) >> shift
 }
 
 #[allow(private_bounds, private_interfaces)]

@@ -1,17 +1,17 @@
-//! A cell of the mesh as a whole, for kernels in assembly.
+//! Cells of the mesh, set up and made as a whole by kernels in assembly.
 #![allow(unsafe_code)]
 
-use tectum_tables::{Segment, Segments};
+use tectum_tables::{NextCell, Segments};
 
-use super::{Position, Source};
+use super::{Position, Source, dsp};
 
-/// What a kernel needs of the pixels of one segment, in the order in which it loads them.
+/// What a kernel needs of the pixels that a run has of a cell, in the order in which it loads them.
 ///
 /// # Contract
 /// `out` to `end` are the bytes of whole output pixels, or none, the caller's to write. At every
 /// pixel that the axes step through, in the order of bytes from `out`, the source pixel that many columns
-/// and rows from `base` is one that a parsed table shows, in a frame whose rows are `stride` bytes
-/// apart; so its right and lower neighbours lie inside that frame too. A kernel may change the cell.
+/// and rows from `base` lies inside a frame whose rows are `stride` bytes
+/// apart; for a kernel that interpolates, so do its right and lower neighbours.
 ///
 /// Where pixels share bytes in pairs, `out` is the first pixel's pair and `end` two bytes a pixel on, the
 /// whole of the last one's pair is the caller's too, `base` is a pair, and so is `last_pair` pairs on.
@@ -38,50 +38,101 @@ pub(crate) struct Cell {
 ///
 /// # Safety
 /// The cell keeps its contract.
-pub(crate) type CellKernel = unsafe extern "C" fn(&mut Cell);
+pub(crate) type CellKernel = unsafe extern "C" fn(&Cell);
 
-impl Cell {
-    /// The cell of `segment`, whose pixels go to `out`.
+/// A run's cells: the present one, and what `dsp::set_up` makes the next one of, in its order.
+#[repr(C)]
+#[derive(Debug)]
+pub(crate) struct Run {
+    cell: Cell,
+    weights: [i32; 3],
+    /// Half of the unit that `shift` takes sums to.
+    half: i32,
+    shift: u32,
+    vertex_shift: u32,
+    /// From row values to the cubic's three coefficients in Q24.
+    coefficient_shifts: [u32; 3],
+    /// The frame's pixel at the mesh's origin, or where it would be.
+    origin: *const u8,
+    bytes_per_pixel: usize,
+    /// Row values of the three columns before the next: x, then y.
+    ring: [[i32; 3]; 2],
+    /// What an offset begins with below whole units of Q8, and to round to the nearest pixel.
+    rounding: i32,
+    /// Of the present cell in x, px from the origin.
+    base_x_px: i32,
+}
+
+impl Run {
     #[inline(always)]
-    fn new<const BYTES: usize>(source: Source<'_>, segment: Segment, out: &mut [u8]) -> Self {
-        debug_assert!(
-            source.shows::<BYTES>(segment),
-            "the table let a position outside the frame through"
-        );
-        let [x, x1, x2, x3] = segment.x.differences();
-        let [y, y1, y2, y3] = segment.y.differences();
-        let (base, stride) = source.place(segment.x.base_px(), segment.y.base_px(), BYTES);
-        let out = out.as_mut_ptr_range();
+    fn new<P: Position, const BYTES: usize>(source: Source<'_>, segments: &Segments<'_>) -> Self {
+        let numbers = segments.numbers();
+        let step_log2 = segments.step_log2();
+        let [x, y] = numbers.origin_px;
+        let (origin, stride) = source.place(x, y, BYTES);
+        let [a, b, c] = numbers.ring;
         Self {
-            x: [x, x1, x2],
-            y: [y, y1, y2],
-            base,
-            stride,
-            out: out.start,
-            third: [x3, y3],
-            end: out.end,
-            last_pair: 0,
-            is_odd: 0,
+            cell: Cell {
+                x: [0; 3],
+                y: [0; 3],
+                base: origin,
+                stride,
+                out: core::ptr::null_mut(),
+                third: [0; 2],
+                end: core::ptr::null_mut(),
+                last_pair: 0,
+                is_odd: 0,
+            },
+            weights: numbers.weights,
+            half: 1 << ((numbers.shift - 1) & 31),
+            shift: numbers.shift,
+            vertex_shift: numbers.vertex_shift,
+            coefficient_shifts: [1, 2, 3]
+                .map(|power: u32| 15u32.wrapping_sub(power * step_log2) & 31),
+            origin,
+            bytes_per_pixel: BYTES,
+            ring: [[a[0], b[0], c[0]], [a[1], b[1], c[1]]],
+            rounding: (1 << 15) + if P::INTERPOLATES { 0 } else { 1 << 23 },
+            base_x_px: 0,
         }
     }
 
-    /// The cell of `segment`, whose first pixel is the even (0) or odd (1) one of the first pair in `out`.
+    /// Makes `next` the present cell, at its first pixel.
     #[inline(always)]
-    fn of_pairs(source: Source<'_>, segment: Segment, out: &mut [u8], is_odd: usize) -> Self {
-        let cell = Self::new::<2>(source, segment, out);
-        let [x, x1, x2] = cell.x;
-        let base_px = segment.x.base_px();
-        // An odd base becomes a pair by taking its pixel into the offset, which has room for it: the
-        // bound at `MAX_VERTEX_DIFFERENCE_Q8` leaves 25 million units of Q24, a pixel and a half.
-        let odd_px = base_px & 1;
-        Self {
-            x: [x.wrapping_add(odd_px << 24), x1, x2],
-            base: cell.base.wrapping_sub(odd_px as usize * 2),
-            end: cell.out.wrapping_add(2 * (is_odd + segment.len as usize)),
-            last_pair: (source.width() / 2) as i32 - 1 - (base_px >> 1),
-            is_odd: is_odd as u32,
-            ..cell
+    fn set_up(&mut self, next: &NextCell) {
+        let [a, b, c, d] = next.column;
+        // SAFETY: it reads and writes this value alone.
+        unsafe { dsp::set_up(self, a, b, c, d) };
+        // Only a run's first cell is entered in its middle.
+        for _ in 0..next.first {
+            for (axis, third) in [&mut self.cell.x, &mut self.cell.y]
+                .into_iter()
+                .zip(self.cell.third)
+            {
+                let [offset, first, second] = *axis;
+                *axis = [
+                    offset.wrapping_add(first),
+                    first.wrapping_add(second),
+                    second.wrapping_add(third),
+                ];
+            }
         }
+    }
+
+    /// Whether the present cell keeps its contract for `len` pixels of `source`.
+    fn shows<P: Position, const BYTES: usize>(&self, source: Source<'_>, len: u32) -> bool {
+        let [[mut x, mut x1, mut x2], [mut y, mut y1, mut y2]] = [self.cell.x, self.cell.y];
+        (0..len).all(|_| {
+            let at = [x >> 24, y >> 24];
+            let inside = source.shows(self.cell.base, at, i32::from(P::INTERPOLATES), BYTES);
+            x = x.wrapping_add(x1);
+            x1 = x1.wrapping_add(x2);
+            x2 = x2.wrapping_add(self.cell.third[0]);
+            y = y.wrapping_add(y1);
+            y1 = y1.wrapping_add(y2);
+            y2 = y2.wrapping_add(self.cell.third[1]);
+            inside
+        })
     }
 }
 
@@ -91,22 +142,30 @@ impl Cell {
 #[inline(always)]
 pub(crate) fn walk_cells<P: Position, const BYTES: usize>(
     source: Source<'_>,
-    segments: Segments<'_>,
+    mut segments: Segments<'_>,
     row: &mut [u8],
     start: usize,
     kernel: CellKernel,
 ) {
     let mut rest = row.get_mut(start * BYTES..).unwrap_or_default();
-    for segment in segments {
-        let segment = P::prepare(segment);
-        let length = segment.len as usize * BYTES;
-        let Some((now, later)) = rest.split_at_mut_checked(length) else {
+    let mut run = Run::new::<P, BYTES>(source, &segments);
+    while let Some(next) = segments.next_cell() {
+        let Some((now, later)) = rest.split_at_mut_checked(next.len as usize * BYTES) else {
             return;
         };
         rest = later;
-        let mut cell = Cell::new::<BYTES>(source, segment, now);
-        // SAFETY: the contract of `Cell`, which `Cell::new` keeps.
-        unsafe { kernel(&mut cell) };
+        run.set_up(&next);
+        debug_assert!(
+            run.shows::<P, BYTES>(source, next.len),
+            "a position outside the frame"
+        );
+        let out = now.as_mut_ptr_range();
+        (run.cell.out, run.cell.end) = (out.start, out.end);
+        // SAFETY: the contract of `Cell`: `now` is as long as the cell, and a parsed table, whose
+        // frame `source` is, shows its pixels. `Run::shows` asks that of each pixel where checks are
+        // on; its test is in `source.rs`. The firmware's `random` compares what is written, and what
+        // must not be, over tables of every step and runs down to a pixel.
+        unsafe { kernel(&run.cell) };
     }
 }
 
@@ -114,21 +173,39 @@ pub(crate) fn walk_cells<P: Position, const BYTES: usize>(
 #[inline(always)]
 pub(crate) fn walk_pairs<P: Position>(
     source: Source<'_>,
-    segments: Segments<'_>,
+    mut segments: Segments<'_>,
     row: &mut [u8],
     start: usize,
     kernel: CellKernel,
 ) {
     let mut column = start;
-    for segment in segments {
-        let segment = P::prepare(segment);
-        let end = column + segment.len as usize;
+    let mut run = Run::new::<P, 2>(source, &segments);
+    let [origin_px, _] = segments.numbers().origin_px;
+    let pairs = (source.width() / 2) as i32;
+    while let Some(next) = segments.next_cell() {
+        let end = column + next.len as usize;
         let Some(out) = row.get_mut(column / 2 * 4..end.div_ceil(2) * 4) else {
             return;
         };
-        let mut cell = Cell::of_pairs(source, segment, out, column % 2);
-        // SAFETY: the contract of `Cell`, which `Cell::of_pairs` keeps.
-        unsafe { kernel(&mut cell) };
+        run.set_up(&next);
+        debug_assert!(
+            run.shows::<P, 2>(source, next.len),
+            "a position outside the frame"
+        );
+        let cell = &mut run.cell;
+        // An odd base becomes a pair by taking its pixel into the offset, which has room for it: the
+        // bound at `MAX_VERTEX_DIFFERENCE_Q8` leaves 25 million units of Q24, a pixel and a half.
+        let base_px = origin_px + run.base_x_px;
+        let odd_px = base_px & 1;
+        cell.x[0] = cell.x[0].wrapping_add(odd_px << 24);
+        cell.base = cell.base.wrapping_sub(odd_px as usize * 2);
+        cell.last_pair = pairs - 1 - (base_px >> 1);
+        let is_odd = column % 2;
+        cell.is_odd = is_odd as u32;
+        cell.out = out.as_mut_ptr();
+        cell.end = cell.out.wrapping_add(2 * (is_odd + next.len as usize));
+        // SAFETY: as above; `out` is whole pairs, and so are the rows of `source`.
+        unsafe { kernel(cell) };
         column = end;
     }
 }

@@ -10,16 +10,16 @@
 //! | r3 to r5 | the same in y |
 //! | r6, r7 | base, stride |
 //! | r9 | next output byte |
-//! | r10 | third difference in x |
+//! | r10 | third difference in x, or the end of the output |
 //!
 //! The kernels follow the procedure call standard, keep every register that it says to keep, call
-//! nothing, and use up to 48 bytes of stack.
+//! nothing, and use up to 64 bytes of stack.
 #![allow(unsafe_code)]
 
 use core::arch::naked_asm;
 
 use super::Position;
-use super::cell::{Cell, CellKernel};
+use super::cell::{Cell, CellKernel, Run};
 
 /// The kernel of Gray8.
 #[inline(always)]
@@ -74,6 +74,115 @@ macro_rules! extension {
     () => {
         ".cpu cortex-m33"
     };
+}
+
+/// Coefficients and differences of one axis. `$p3` is the new row value, which goes into the ring at `$ring`;
+/// offset and differences go to `$to`, the third to `$third`. Shifts are in r11, r12 and lr; leaves the row
+/// value of the cell's start in r5.
+macro_rules! axis {
+    ($p3:literal, $ring:literal, $last:literal, $to:literal, $second:literal, $third:literal) => {
+        concat!(
+            "
+            ldrd r4, r5, [r0, #",
+            $ring,
+            "]
+            ldr r6, [r0, #",
+            $last,
+            "]
+            strd r5, r6, [r0, #",
+            $ring,
+            "]
+            str ",
+            $p3,
+            ", [r0, #",
+            $last,
+            "]
+            sub r7, r6, r4
+            sub r8, r5, r6
+            add r9, r8, r8, lsl #1
+            add r9, r9, ",
+            $p3,
+            "
+            sub r9, r9, r4
+            add r10, r7, r9
+            add r10, r10, r8, lsl #1
+            lsl r7, r7, r11
+            lsl r10, r10, r12
+            lsl r9, r9, lr
+            sub r7, r7, r10
+            add r7, r7, r9
+            add r9, r9, r9, lsl #1
+            sub r8, r9, r10
+            lsl r8, r8, #1
+            lsl r9, r9, #1
+            ldr r6, [r0, #124]
+            uxtb r4, r5
+            add r6, r6, r4, lsl #16
+            strd r6, r7, [r0, #",
+            $to,
+            "]
+            str r8, [r0, #",
+            $second,
+            "]
+            str r9, [r0, #",
+            $third,
+            "]
+            "
+        )
+    };
+}
+
+/// Sets up the next cell of a run from its new column of vertices: row values as `RowWeights::apply` of
+/// `tectum-tables` has them, both axes as `Axis::new`. Differences of neighbours fit 16 bits, as a mesh's
+/// check grants. r10 holds minus the second coefficient.
+///
+/// # Safety
+/// Reads and writes `run` alone; its pointers are computed with, not followed.
+#[unsafe(naked)]
+pub(crate) unsafe extern "C" fn set_up(run: &mut Run, a: u32, b: u32, c: u32, d: u32) {
+    naked_asm!(
+        extension!(),
+        "push {{r4-r11, lr}}
+        ldr r4, [sp, #36]
+        ssub16 r11, r2, r1
+        ssub16 r12, r3, r2
+        ssub16 lr, r4, r3
+        add r10, r0, #56
+        ldm r10, {{r5-r10}}
+        sxth r1, r11
+        mla r1, r1, r5, r8
+        sxth r3, r12
+        mla r1, r3, r6, r1
+        sxth r3, lr
+        mla r1, r3, r7, r1
+        asr r1, r1, r9
+        sxth r3, r2
+        lsl r3, r3, r10
+        add r1, r1, r3
+        asr r11, r11, #16
+        mla r11, r11, r5, r8
+        asr r12, r12, #16
+        mla r11, r12, r6, r11
+        asr lr, lr, #16
+        mla r11, lr, r7, r11
+        asr r11, r11, r9
+        asr r2, r2, #16
+        lsl r2, r2, r10
+        add r2, r2, r11
+        ldrd r11, r12, [r0, #80]
+        ldr lr, [r0, #88]",
+        axis!("r1", "100", "108", "0", "8", "36"),
+        "asr r1, r5, #8
+        str r1, [r0, #128]",
+        axis!("r2", "112", "120", "12", "20", "40"),
+        "asr r5, r5, #8
+        ldr r4, [r0, #28]
+        ldrd r6, r7, [r0, #92]
+        mla r6, r5, r4, r6
+        mla r6, r1, r7, r6
+        str r6, [r0, #24]
+        pop {{r4-r11, pc}}"
+    )
 }
 
 /// Saves registers and loads a cell: `d3y` and `end` go to the stack, at sp and sp + 4.
@@ -171,7 +280,7 @@ macro_rules! weights {
 /// nothing carries. Halves are signed to `smlad`, so that 2^15 is taken off each before; r8, 2^23 + 2^15,
 /// puts the sum of that back and rounds.
 #[unsafe(naked)]
-unsafe extern "C" fn gray8_bilinear(cell: &mut Cell) {
+unsafe extern "C" fn gray8_bilinear(cell: &Cell) {
     naked_asm!(
         extension!(),
         enter!(),
@@ -208,7 +317,7 @@ unsafe extern "C" fn gray8_bilinear(cell: &mut Cell) {
 
 /// The pixel at a position that the axes have rounded already.
 #[unsafe(naked)]
-unsafe extern "C" fn gray8_nearest(cell: &mut Cell) {
+unsafe extern "C" fn gray8_nearest(cell: &Cell) {
     naked_asm!(
         extension!(),
         enter!(),
@@ -226,52 +335,63 @@ unsafe extern "C" fn gray8_nearest(cell: &mut Cell) {
     )
 }
 
-/// Saves registers and loads a cell whose own memory goes on holding what there is no register for:
-/// r10 points to it.
-macro_rules! enter_by_pointer {
+/// Saves registers and loads a cell with all differences on the stack, x's first, so that a pixel has r1,
+/// r2, r4 and r5 too. The last pair follows at sp + 24. r10 is `end`, r1 whether the first pixel is odd.
+macro_rules! enter_with_stack {
     () => {
         "push {{r4-r11, lr}}
-        mov r10, r0
+        ldrd r1, r2, [r0, #4]
+        ldr r4, [r0, #36]
+        ldrd r5, r11, [r0, #16]
+        ldr r12, [r0, #40]
+        ldr lr, [r0, #48]
+        push {{r1, r2, r4, r5, r11, r12, lr}}
+        ldrd r6, r7, [r0, #24]
         ldr r9, [r0, #32]
-        ldm r0, {{r0-r7}}
+        ldr r10, [r0, #44]
+        ldr r1, [r0, #52]
+        ldr r3, [r0, #12]
+        ldr r0, [r0]
         "
     };
 }
 
-/// Moves both axes on with all their differences in the cell, so that a pixel has r1, r2, r4 and r5 too.
-macro_rules! step_in_memory {
+/// Restores what `enter_with_stack` saved, and returns.
+macro_rules! leave_stack {
+    () => {
+        "add sp, sp, #28
+        pop {{r4-r11, pc}}"
+    };
+}
+
+/// Moves both axes on to the next pixel, with their differences on the stack. Uses r1, r2, r4, r5, r11, r12.
+macro_rules! step_on_stack {
     () => {
         "
-        ldrd r1, r2, [r10, #4]
-        ldr r4, [r10, #36]
+        ldm sp, {{r1, r2, r4, r5, r11, r12}}
         add r0, r0, r1
         add r1, r1, r2
         add r2, r2, r4
-        strd r1, r2, [r10, #4]
-        ldrd r1, r2, [r10, #16]
-        ldr r4, [r10, #40]
-        add r3, r3, r1
-        add r1, r1, r2
-        add r2, r2, r4
-        strd r1, r2, [r10, #16]
+        add r3, r3, r5
+        add r5, r5, r11
+        add r11, r11, r12
+        stm sp, {{r1, r2, r4, r5, r11, r12}}
         "
     };
 }
 
-/// Goes through the pixels of a cell one by one, two to a round.
-macro_rules! pixels_by_pointer {
-    ($step:expr, $pixel:expr) => {
+/// Goes through the pixels of a cell one by one, with differences on the stack.
+macro_rules! pixels_with_stack {
+    ($pixel:expr) => {
         concat!(
             "
-            ldr lr, [r10, #44]
-            cmp r9, lr
+            cmp r9, r10
             beq 5f
             2:",
             $pixel,
-            $step,
+            step_on_stack!(),
             "
-            ldr lr, [r10, #44]
-            cmp r9, lr
+            cmp r9, r10
             bne 2b
             5:
             "
@@ -372,15 +492,13 @@ macro_rules! rgb565_bilinear {
     ($name:ident, $loaded:literal, $stored:literal) => {
         /// Both pixels of a row are in one word.
         #[unsafe(naked)]
-        unsafe extern "C" fn $name(cell: &mut Cell) {
+        unsafe extern "C" fn $name(cell: &Cell) {
             naked_asm!(
                 extension!(),
-                enter_by_pointer!(),
+                enter_with_stack!(),
                 "mov r8, #0x8000",
-                pixels_by_pointer!(
-                    step_in_memory!(),
-                    concat!(
-                        "
+                pixels_with_stack!(concat!(
+                    "
                         asr lr, r0, #24
                         add r12, r6, lr, lsl #1
                         asr lr, r3, #24
@@ -388,8 +506,8 @@ macro_rules! rgb565_bilinear {
                         ldr r11, [r12]
                         ldr r12, [r12, r7]
                         ",
-                        $loaded,
-                        "
+                    $loaded,
+                    "
                         ubfx r4, r3, #16, #8
                         ubfx r5, r0, #16, #8
                         rsb r5, r5, r5, lsl #16
@@ -402,18 +520,17 @@ macro_rules! rgb565_bilinear {
                         smlad lr, r1, r5, r8
                         lsr lr, lr, #16
                         ",
-                        channel_565!("r1", "5", "0x003f003f"),
-                        "orr lr, lr, r1, lsl #5",
-                        channel_565!("r1", "11", "0x001f001f"),
-                        "orr lr, lr, r1, lsl #11
+                    channel_565!("r1", "5", "0x003f003f"),
+                    "orr lr, lr, r1, lsl #5",
+                    channel_565!("r1", "11", "0x001f001f"),
+                    "orr lr, lr, r1, lsl #11
                         ",
-                        $stored,
-                        "
+                    $stored,
+                    "
                         strh lr, [r9], #2
                         "
-                    )
-                ),
-                "pop {{r4-r11, pc}}"
+                )),
+                leave_stack!()
             )
         }
     };
@@ -427,7 +544,7 @@ rgb565_bilinear!(
 
 /// Words as they are, whatever the order of their bytes.
 #[unsafe(naked)]
-unsafe extern "C" fn rgb565_nearest(cell: &mut Cell) {
+unsafe extern "C" fn rgb565_nearest(cell: &Cell) {
     naked_asm!(
         extension!(),
         enter!(),
@@ -447,16 +564,14 @@ unsafe extern "C" fn rgb565_nearest(cell: &mut Cell) {
 
 /// Red and blue of a pixel lie two bytes apart and are mixed together, green of both rows.
 #[unsafe(naked)]
-unsafe extern "C" fn rgb8_bilinear(cell: &mut Cell) {
+unsafe extern "C" fn rgb8_bilinear(cell: &Cell) {
     naked_asm!(
         extension!(),
-        enter_by_pointer!(),
+        enter_with_stack!(),
         "mov r8, #0x00800000
         orr r8, r8, #0x8000",
-        pixels_by_pointer!(
-            step_in_memory!(),
-            concat!(
-                "
+        pixels_with_stack!(concat!(
+            "
                 asr lr, r0, #24
                 add lr, lr, lr, lsl #1
                 add r12, r6, lr
@@ -469,8 +584,8 @@ unsafe extern "C" fn rgb8_bilinear(cell: &mut Cell) {
                 uxtb16 r4, r1
                 uxtb16 r5, r2, ror #8
                 ",
-                mix_halves!("r4", "r5"),
-                "
+            mix_halves!("r4", "r5"),
+            "
                 uxtb16 r1, r1, ror #8
                 uxtb16 r2, r2
                 ldr r5, [r12]
@@ -482,29 +597,28 @@ unsafe extern "C" fn rgb8_bilinear(cell: &mut Cell) {
                 uxtb16 r5, r5
                 uxtb16 r12, r12, ror #8
                 ",
-                mix_halves!("r5", "r12"),
-                mix_halves!("r1", "r2"),
-                weights!("r3"),
-                "
+            mix_halves!("r5", "r12"),
+            mix_halves!("r1", "r2"),
+            weights!("r3"),
+            "
                 pkhbt r2, r4, r5, lsl #16
                 pkhtb r4, r5, r4, asr #16
                 ",
-                mix_across!("r2"),
-                mix_across!("r1"),
-                mix_across!("r4"),
-                "
+            mix_across!("r2"),
+            mix_across!("r1"),
+            mix_across!("r4"),
+            "
                 strb r1, [r9, #1]
                 strb r4, [r9, #2]
                 strb r2, [r9], #3
                 "
-            )
-        ),
-        "pop {{r4-r11, pc}}"
+        )),
+        leave_stack!()
     )
 }
 
 #[unsafe(naked)]
-unsafe extern "C" fn rgb8_nearest(cell: &mut Cell) {
+unsafe extern "C" fn rgb8_nearest(cell: &Cell) {
     naked_asm!(
         extension!(),
         enter!(),
@@ -527,50 +641,30 @@ unsafe extern "C" fn rgb8_nearest(cell: &mut Cell) {
     )
 }
 
-/// Moves both axes on with their third differences in the cell. Uses lr.
-macro_rules! step_by_pointer {
-    () => {
-        "
-        ldr lr, [r10, #36]
-        add r0, r0, r1
-        add r1, r1, r2
-        add r2, r2, lr
-        ldr lr, [r10, #40]
-        add r3, r3, r4
-        add r4, r4, r5
-        add r5, r5, lr
-        "
-    };
-}
-
 /// Goes through pixels that come in pairs of four bytes, the first of which may be a pair's odd one and
 /// the last its even one. r9 is the pair.
 macro_rules! pairs {
     ($even:expr, $odd:expr) => {
         concat!(
             "
-            ldr lr, [r10, #52]
-            ldr r12, [r10, #44]
-            add r11, r9, lr, lsl #1
-            cmp r11, r12
+            add r11, r9, r1, lsl #1
+            cmp r11, r10
             beq 5f
-            cmp lr, #0
+            cmp r1, #0
             bne 3f
             2:",
             $even,
-            step_by_pointer!(),
+            step_on_stack!(),
             "
-            ldr lr, [r10, #44]
-            sub lr, lr, #2
+            sub lr, r10, #2
             cmp r9, lr
             beq 5f
             3:",
             $odd,
-            step_by_pointer!(),
+            step_on_stack!(),
             "
             add r9, r9, #4
-            ldr lr, [r10, #44]
-            cmp r9, lr
+            cmp r9, r10
             bne 2b
             5:
             "
@@ -614,11 +708,9 @@ macro_rules! chroma_bilinear {
     ($ror:literal, $u:literal, $v:literal) => {
         concat!(
             "
-            strd r1, r2, [r10, #4]
-            strd r4, r5, [r10, #16]
             asr lr, r0, #25
             add r12, r6, lr, lsl #2
-            ldr r1, [r10, #48]
+            ldr r1, [sp, #24]
             sub r1, lr, r1
             lsr r1, r1, #29
             and r1, r1, #4
@@ -659,8 +751,6 @@ macro_rules! chroma_bilinear {
             strb r2, [r9, #",
             $v,
             "]
-            ldrd r1, r2, [r10, #4]
-            ldrd r4, r5, [r10, #16]
             "
         )
     };
@@ -690,10 +780,10 @@ macro_rules! packed_422 {
     ($bilinear:ident, $nearest:ident, $luma_ror:literal, $chroma_ror:literal,
      $y0:literal, $u:literal, $y1:literal, $v:literal) => {
         #[unsafe(naked)]
-        unsafe extern "C" fn $bilinear(cell: &mut Cell) {
+        unsafe extern "C" fn $bilinear(cell: &Cell) {
             naked_asm!(
                 extension!(),
-                enter_by_pointer!(),
+                enter_with_stack!(),
                 "mov r8, #0x00800000
                 orr r8, r8, #0x8000",
                 pairs!(
@@ -703,15 +793,15 @@ macro_rules! packed_422 {
                     ),
                     luma_bilinear!($luma_ror, $y1)
                 ),
-                "pop {{r4-r11, pc}}"
+                leave_stack!()
             )
         }
 
         #[unsafe(naked)]
-        unsafe extern "C" fn $nearest(cell: &mut Cell) {
+        unsafe extern "C" fn $nearest(cell: &Cell) {
             naked_asm!(
                 extension!(),
-                enter_by_pointer!(),
+                enter_with_stack!(),
                 pairs!(
                     concat!(
                         luma_nearest!($y0, $y0),
@@ -734,7 +824,7 @@ macro_rules! packed_422 {
                     ),
                     luma_nearest!($y0, $y1)
                 ),
-                "pop {{r4-r11, pc}}"
+                leave_stack!()
             )
         }
     };

@@ -15,4 +15,6 @@ pub(crate) use cell::{walk_cells, walk_pairs};
 #[cfg(not(arm_dsp))]
 pub(crate) use position::walk;
 pub(crate) use position::{Bilinear, Nearest, Position};
-pub(crate) use source::{Source, Spot};
+pub(crate) use source::Source;
+#[cfg(not(arm_dsp))]
+pub(crate) use source::Spot;

@@ -2,8 +2,6 @@
 #![allow(unsafe_code)]
 
 use tectum_tables::Eye;
-#[cfg(any(arm_dsp, test))]
-use tectum_tables::Segment;
 
 use crate::format::PixelFormat;
 use crate::stitcher::check_source;
@@ -54,17 +52,26 @@ impl<'a> Source<'a> {
         (self.spot(x, y, bytes_per_pixel).pointer, self.stride)
     }
 
-    /// Whether all pixels of `segment` show boxes whose bytes lie inside the frame.
+    /// Whether the pixel that many columns and rows from `base`, and the one `reach` further both ways, lie
+    /// inside the frame.
     #[cfg(any(arm_dsp, test))]
-    pub(crate) fn shows<const BYTES: usize>(self, mut segment: Segment) -> bool {
-        (0..segment.len).all(|_| {
-            let [x, y] = [segment.x, segment.y].map(|axis| axis.position_q8() >> 8);
-            segment.step();
-            let first = self.spot(x, y, BYTES).pointer;
-            let last = self.spot(x + 1, y + 1, BYTES).forward(BYTES - 1).pointer;
-            let data = self.data.as_ptr_range();
-            x >= 0 && y >= 0 && data.contains(&first) && data.contains(&last)
-        })
+    pub(crate) fn shows(
+        self,
+        base: *const u8,
+        [x, y]: [i32; 2],
+        reach: i32,
+        bytes_per_pixel: usize,
+    ) -> bool {
+        let spot = Spot {
+            source: self,
+            pointer: base,
+        };
+        let first = spot.moved(x, y, bytes_per_pixel);
+        let last = first
+            .moved(reach, reach, bytes_per_pixel)
+            .forward(bytes_per_pixel - 1);
+        let data = self.data.as_ptr_range();
+        data.contains(&first.pointer) && data.contains(&last.pointer)
     }
 
     /// The place of the pixel in column `x` of row `y`, or where it would be.
@@ -164,52 +171,23 @@ impl Spot<'_> {
 mod tests {
     use super::*;
 
-    /// What kernels in assembly are given is asked of each cell where checks are on: one pixel too many,
-    /// or a frame with a row, a column or a byte less, is noticed.
+    /// What is asked of each pixel before a kernel in assembly makes a cell, where checks are on: one
+    /// column or row too far on any side is noticed.
     #[test]
-    fn a_cell_that_leaves_the_frame_is_noticed() {
-        let bytes = include_bytes!("../../../tables/baked/paper-fish-480x240.tct");
-        let tables = Tables::parse(bytes).unwrap();
-        let [width, height] = tables.source_size_px(Eye::Left).unwrap().map(usize::from);
-        let mesh = tables.mesh(Eye::Left).unwrap();
-        let data = vec![0; width * height];
-        let source = |rows: usize, stride: usize| Source {
-            data: &data[..rows * stride],
-            stride,
-            width: stride,
-        };
-        let whole = source(height, width);
-        let (mut lowest, mut cells) = (0, Vec::new());
-        for y in 0..tables.output_height_px() {
-            for run in tables.runs(y) {
-                if run.kind != tectum_tables::RunKind::Left {
-                    continue;
-                }
-                for segment in mesh.segments(y, run.start, run.len) {
-                    assert!(whole.shows::<1>(segment));
-                    let mut ahead = segment;
-                    for _ in 0..segment.len {
-                        lowest = lowest.max((ahead.y.position_q8() >> 8) as usize + 2);
-                        ahead.step();
-                    }
-                    cells.push(segment);
-                }
-            }
+    fn a_box_that_leaves_the_frame_is_noticed() {
+        for bytes in 1..=3 {
+            let (width, height) = (5, 4);
+            let data = vec![0; width * height * bytes];
+            let source = Source {
+                data: &data,
+                stride: width * bytes,
+                width,
+            };
+            let base = source.spot(2, 1, bytes).pointer;
+            let shows = |at| source.shows(base, at, 1, bytes);
+            assert!(shows([0, 0]) && shows([-2, -1]) && shows([1, 1]));
+            assert!(!shows([2, 1]) && !shows([1, 2]) && !shows([-2, -2]) && !shows([-3, -1]));
+            assert!(source.shows(base, [2, 2], 0, bytes) && !source.shows(base, [3, 2], 0, bytes));
         }
-        assert!(
-            cells
-                .iter()
-                .all(|cell| source(lowest, width).shows::<1>(*cell))
-        );
-        assert!(
-            !cells
-                .iter()
-                .all(|cell| source(lowest - 1, width).shows::<1>(*cell))
-        );
-        // Two bytes a pixel in the same frame: half of it is not there.
-        assert!(!cells.iter().all(|cell| whole.shows::<2>(*cell)));
-        // A cell that goes on for ever leaves any frame.
-        let endless = cells.iter().map(|cell| Segment { len: 4096, ..*cell });
-        assert!(!endless.into_iter().all(|cell| whole.shows::<1>(cell)));
     }
 }

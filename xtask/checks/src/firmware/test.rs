@@ -14,8 +14,9 @@ use super::{emulate, host, proofs, workspace};
 use xtask::Outcome;
 
 /// Programs that run, and how their output is compared.
-const PROGRAMS: [(&str, Compare); 6] = [
+const PROGRAMS: [(&str, Compare); 7] = [
     ("stitch", Compare::Exact),
+    ("random", Compare::Exact),
     ("tone", Compare::Exact),
     ("overlay", Compare::Exact),
     ("lookup", Compare::Exact),
@@ -32,7 +33,7 @@ pub struct Args {
     /// One board alone
     #[arg(long)]
     board: Option<Board>,
-    /// One program alone: stitch, tone, overlay, lookup, counts, stack or proofs
+    /// One program alone: stitch, random, tone, overlay, lookup, counts, stack or proofs
     name: Option<String>,
 }
 
