@@ -148,3 +148,61 @@ fn duplicates(detections: &Detections) -> Vec<[PathBuf; 2]> {
     }
     duplicates
 }
+
+#[cfg(test)]
+mod tests {
+    use image::GrayImage;
+
+    use super::*;
+
+    fn board() -> Board {
+        Board {
+            size: "8x6".parse().unwrap(),
+            square_mm: 30.0,
+        }
+    }
+
+    /// An empty picture, or no picture.
+    fn decode(bytes: &[u8]) -> Result<GrayImage, String> {
+        match bytes {
+            b"none" => Err("no picture".to_owned()),
+            _ => Ok(GrayImage::new(64, 48)),
+        }
+    }
+
+    fn folder(files: &[(&str, &[u8])]) -> (tempfile::TempDir, Vec<PathBuf>) {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |(name, bytes): &(&str, &[u8])| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            path
+        };
+        let files = files.iter().map(write).collect();
+        (folder, files)
+    }
+
+    #[test]
+    fn a_picture_given_twice_counts_once_and_boards_that_are_missing_are_told() {
+        let (folder, files) = folder(&[("a.png", b"one"), ("b.png", b"none"), ("c.png", b"one")]);
+        let kept = folder.path().join("kept");
+        let shots = Shots::take(&files, (board(), None), &kept, decode, |_| {}).unwrap();
+        assert_eq!(shots.size_px, [64, 48]);
+        assert_eq!(shots.duplicates, [[files[2].clone(), files[0].clone()]]);
+        assert_eq!(shots.detections.skipped(), [(&*files[1], "no picture")]);
+        assert_eq!(shots.files(), files);
+        let load = |_: &Path| Err("not asked for".into());
+        let unfit = shots.check(None, &load).unwrap_err();
+        assert!(
+            matches!(unfit, UnfitShots::Board(WrongBoard::None { .. })),
+            "{unfit}"
+        );
+    }
+
+    #[test]
+    fn pictures_none_of_which_can_be_read_are_refused() {
+        let (folder, files) = folder(&[("a.png", b"none")]);
+        let refused = Shots::take(&files, (board(), None), folder.path(), decode, |_| {});
+        let message = refused.unwrap_err().to_string();
+        assert_eq!(message, "none of the 1 pictures can be read");
+    }
+}
