@@ -138,6 +138,7 @@ fn published(file: &Path) -> Calibration {
         field_rad: 0.0,
         parameters: Vec::new(),
         covariance: DMatrix::zeros(0, 0),
+        covariance_by_views: None,
         freer: None,
         scores: Vec::new(),
         board_shape: None,

@@ -133,6 +133,9 @@ pub struct Calibration {
     pub parameters: Vec<Parameter>,
     /// Covariance of the intrinsic parameters, poses marginalised.
     pub covariance: DMatrix<f64>,
+    /// The same from what leaving out one view does, wider where views are few; `None` where a view cannot
+    /// be spared.
+    pub covariance_by_views: Option<DMatrix<f64>>,
     /// A lens of more freedom through the same corners, which shows what the camera's model leaves out;
     /// `None` where they do not fix one.
     pub freer: Option<FreerLens>,

@@ -9,3 +9,4 @@ mod session;
 #[path = "../calibration_campaign/sets.rs"]
 mod sets;
 mod two_eyes;
+mod verdicts;

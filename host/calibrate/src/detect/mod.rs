@@ -2,3 +2,4 @@
 
 pub mod chessboard;
 pub mod marker;
+mod normal;

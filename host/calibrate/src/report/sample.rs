@@ -225,6 +225,7 @@ fn calibration() -> Calibration {
         field_rad: 0.0,
         covariance: DMatrix::zeros(10, 10),
         parameters: parameters.into(),
+        covariance_by_views: None,
         freer: None,
         scores: scores.into(),
         board_shape: None,

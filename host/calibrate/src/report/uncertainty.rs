@@ -30,8 +30,8 @@ pub fn html(facts: &Facts) -> String {
     };
     format!(
         "<section id=\"uncertainty\"><h2>Uncertainty of directions</h2>\n{body}\
-         <p class=\"dim\">What the corners' noise and the pictures' scatter imply for a lens of more \
-         freedom, with its difference from the lens chosen. How far the calibration can be trusted \
+         <p class=\"dim\">What the corners' noise and the pictures' scatter imply, with what a lens of \
+         more freedom shows the chosen one to leave out. How far the calibration can be trusted \
          is read from {which} map. Dashed: up to where boards reach.</p></section>\n"
     )
 }

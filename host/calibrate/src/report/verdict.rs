@@ -239,7 +239,7 @@ fn trusted(grounds: &Grounds) -> (Trust, String) {
 
 /// A standard error in words, degrees with two digits that count.
 fn angle(rad: f64) -> String {
-    if !rad.is_finite() {
+    if precision::is_unknown(rad) {
         return "an unknown angle".into();
     }
     let degrees = rad.to_degrees();

@@ -180,6 +180,7 @@ pub(super) fn plain_options(model: Model, options: &Options) -> Options {
     Options {
         model: Some(model),
         decentring: false,
+        model_error: false,
         ..options.clone()
     }
 }

@@ -4,11 +4,16 @@ use nalgebra::{DMatrix, Matrix2, Matrix2xX, Matrix3, Matrix3x2, Matrix3xX, Vecto
 
 use super::FreerLens;
 use super::lens::{self, Lens};
+use super::sight::nearest_rotation;
 use crate::Calibration;
 
 /// Rings and spokes of the rays that the best rotation is taken over.
 const RINGS: u32 = 12;
 const SPOKES: u32 = 24;
+
+/// Share of the squared difference between two lenses that counts as the model's error, however much of it
+/// the freer lens's variance explains: a model's error may happen to be no greater than that.
+const LEAST_SHARE: f64 = 0.5;
 
 /// Uncertainty of rays: what noise of the corners, errors that the corners of a view share, and the
 /// lens's model imply.
@@ -18,18 +23,19 @@ const SPOKES: u32 = 24;
 /// all rays of the field taken off, as a rig does that finds each eye's rotation by itself. The
 /// second is smaller: a shift of the centre is mostly a rotation.
 ///
-/// Free of rotation, the standard error is `sqrt(s^2 + d^2)`. `s` is that of the [freer lens](FreerLens),
-/// the greater of what the corners' noise and the jackknife over views say. `d` is the difference between
-/// the rays of the chosen lens and those of the freer one, as a root mean square round the ring at that
-/// angle off axis, since a difference that crosses zero somewhere is no smaller an error there. In the camera's own
-/// frame, what the chosen lens's covariance says of the common rotation is added.
+/// Free of rotation, the standard error is `sqrt(v + m)`. `v` is the variance of the chosen lens, the
+/// greater of what the corners' noise and the jackknife over views say. `m` is the mean square of the
+/// model's error, from the difference between the chosen lens and the [freer one](FreerLens). Even were
+/// the chosen model exact, both would differ, by the variance that the freer lens has beyond the chosen
+/// one's (Hausman 1978): that is taken off the squared difference, down to half of it. Both are means
+/// round the ring at an angle off axis, since a difference that crosses zero somewhere is no smaller an
+/// error there. In the camera's own frame, what the chosen lens's covariance says of the common rotation
+/// is added.
 #[derive(Debug)]
 pub struct AngularUncertainty {
-    own: Spread,
-    freer: Option<Spread>,
-    /// By even steps of the angle off axis: mean squares of the differences between both lenses, rad^2,
-    /// free of rotation.
-    differences: Vec<f64>,
+    chosen: Spread,
+    /// By even steps of the angle off axis: mean squares of the model's error, rad^2, free of rotation.
+    model_error: Vec<f64>,
     /// Angle off axis between those, rad.
     step_rad: f64,
 }
@@ -37,31 +43,41 @@ pub struct AngularUncertainty {
 impl AngularUncertainty {
     /// From a calibration; `None` if its model is not one that is calibrated here.
     pub fn new(calibration: &Calibration) -> Option<Self> {
-        let mut uncertainty = Self::of_noise(calibration)?;
+        let by_views = calibration.covariance_by_views.iter();
+        let covariances = std::iter::once(&calibration.covariance).chain(by_views);
+        let mut uncertainty = Self::of(calibration, covariances)?;
         let field_rad = calibration.field_rad;
         if let Some(freer) = &calibration.freer {
             let freer = Spread::of_freer(freer, field_rad);
-            uncertainty.differences = differences(&uncertainty.own, &freer, field_rad);
-            uncertainty.freer = Some(freer);
+            uncertainty.model_error = model_error(&uncertainty.chosen, &freer, field_rad);
         }
         Some(uncertainty)
     }
 
     /// Of the corners' noise alone, if the model fits the lens.
     pub(super) fn of_noise(calibration: &Calibration) -> Option<Self> {
+        Self::of(calibration, std::iter::once(&calibration.covariance))
+    }
+
+    /// Of the chosen lens with the greater of some covariances of its parameters.
+    fn of<'a>(
+        calibration: &Calibration,
+        covariances: impl Iterator<Item = &'a DMatrix<f64>>,
+    ) -> Option<Self> {
         let names = calibration.parameters.iter().map(|p| p.name.as_str());
         let (lens, p) = lens::from_camera(&calibration.model, &names.collect::<Vec<_>>())?;
         let factors: Vec<f64> = lens.describe().into_iter().map(|(_, f)| f).collect();
-        if calibration.covariance.shape() != (p.len(), p.len()) {
-            return None;
-        }
-        let covariance = DMatrix::from_fn(p.len(), p.len(), |a, b| {
-            calibration.covariance[(a, b)] / factors[a] / factors[b]
-        });
+        let of_p = |covariance: &DMatrix<f64>| {
+            (covariance.shape() == (p.len(), p.len())).then(|| {
+                DMatrix::from_fn(p.len(), p.len(), |a, b| {
+                    covariance[(a, b)] / factors[a] / factors[b]
+                })
+            })
+        };
+        let covariances = covariances.map(of_p).collect::<Option<Vec<_>>>()?;
         Some(Self {
-            own: Spread::new(lens, p, vec![covariance], calibration.field_rad),
-            freer: None,
-            differences: Vec::new(),
+            chosen: Spread::new(lens, p, covariances, calibration.field_rad),
+            model_error: Vec::new(),
             step_rad: calibration.field_rad / f64::from(RINGS),
         })
     }
@@ -69,42 +85,35 @@ impl AngularUncertainty {
     /// Root mean square angle between the estimated and the true ray through `pixel`, both in the
     /// camera's own frame, rad; `None` outside the image.
     pub fn sigma_rad(&self, pixel: [f64; 2]) -> Option<f64> {
-        let (ray, own) = self.own_variances(pixel)?;
+        let ([own_frame, free], model_error) = self.mean_squares(pixel)?;
         // The frame is the chosen lens's: a freer one's centre is another convention.
-        let turn = (own[0] - own[1]).max(0.0);
-        Some((turn + self.rotation_free_variance(&ray, own[1])).sqrt())
+        Some((own_frame.max(free) + model_error).sqrt())
     }
 
     /// The same with the best common rotation of the whole field taken off, rad.
     pub fn rotation_free_sigma_rad(&self, pixel: [f64; 2]) -> Option<f64> {
-        let (ray, own) = self.own_variances(pixel)?;
-        Some(self.rotation_free_variance(&ray, own[1]).sqrt())
+        let ([_, free], model_error) = self.mean_squares(pixel)?;
+        Some((free + model_error).sqrt())
     }
 
-    /// Ray through a pixel, and its [`Spread::variances`] by the chosen lens.
-    fn own_variances(&self, pixel: [f64; 2]) -> Option<(Vector3<f64>, [f64; 2])> {
-        let ray = self.own.lens.unproject(&self.own.p, pixel)?;
-        Some((ray, self.own.variances(&ray)?))
-    }
-
-    /// Of a ray whose variance is `own` by the chosen lens, rad^2.
-    fn rotation_free_variance(&self, ray: &Vector3<f64>, own: f64) -> f64 {
-        let freer = self.freer.as_ref().and_then(|freer| freer.variances(ray));
-        let free = freer.map_or(own, |free| own.max(free[1]));
+    /// [`Spread::variances`] of the ray through a pixel and its model error, rad^2.
+    fn mean_squares(&self, pixel: [f64; 2]) -> Option<([f64; 2], f64)> {
+        let ray = self.chosen.lens.unproject(&self.chosen.p, pixel)?;
+        let variances = self.chosen.variances(&ray)?;
         let angle = libm::atan2(libm::hypot(ray.x, ray.y), ray.z);
-        free + self.difference(angle)
+        Some((variances, self.model_error(angle)))
     }
 
-    /// Mean square of the difference at an angle off axis, rad^2: in line between the rings, that of the
+    /// Mean square of the model's error at an angle off axis, rad^2: in line between the rings, that of the
     /// innermost and the outermost one within and beyond.
-    fn difference(&self, angle: f64) -> f64 {
-        let Some(last) = self.differences.len().checked_sub(1) else {
+    fn model_error(&self, angle: f64) -> f64 {
+        let Some(last) = self.model_error.len().checked_sub(1) else {
             return 0.0;
         };
         let place = (angle / self.step_rad - 0.5).clamp(0.0, last as f64);
         let from = place as usize;
         let share = place - from as f64;
-        let [a, b] = [from, (from + 1).min(last)].map(|k| self.differences[k]);
+        let [a, b] = [from, (from + 1).min(last)].map(|k| self.model_error[k]);
         a * (1.0 - share) + b * share
     }
 }
@@ -209,37 +218,43 @@ fn rays(field_rad: f64) -> impl Iterator<Item = (Vector3<f64>, f64)> {
     })
 }
 
-/// Mean squares round each ring of the difference between the rays of two lenses, rad^2, the best rotation
-/// between both taken off.
-fn differences(own: &Spread, freer: &Spread, field_rad: f64) -> Vec<f64> {
+/// Mean squares round each ring of the model's error of the chosen lens, rad^2: of the difference between
+/// its rays and the freer lens's, the best rotation between both and what the freer lens's own variance
+/// explains taken off.
+fn model_error(chosen: &Spread, freer: &Spread, field_rad: f64) -> Vec<f64> {
     let all: Vec<(Vector3<f64>, f64)> = rays(field_rad).collect();
-    let moved: Vec<Option<Vector3<f64>>> = all
+    let seen_by_freer: Vec<Option<Vector3<f64>>> = all
         .iter()
         .map(|(ray, _)| {
-            let pixel = own.lens.project(&own.p, ray)?.pixel;
+            let pixel = chosen.lens.project(&chosen.p, ray)?.pixel;
             let other = freer.lens.unproject(&freer.p, pixel.into())?;
-            Some(other.try_normalize(0.0)? - ray)
+            other.try_normalize(0.0)
         })
         .collect();
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for ((ray, area), moved) in all.iter().zip(&moved) {
-        let Some(moved) = moved else { continue };
-        let by_rotation = -ray.cross_matrix();
-        normal += by_rotation.transpose() * by_rotation * *area;
-        right += by_rotation.transpose() * moved * *area;
-    }
-    let turn = normal.try_inverse().map_or(Vector3::zeros(), |n| n * right);
-    let apart = all.iter().zip(&moved).map(|((ray, _), moved)| {
-        let moved = (*moved)?;
-        Some((moved - turn.cross(ray)).norm_squared())
-    });
-    let apart: Vec<Option<f64>> = apart.collect();
+    let pairs = || all.iter().zip(&seen_by_freer);
+    let scatter: Matrix3<f64> = pairs()
+        .filter_map(|((ray, area), other)| Some(ray * (*other)?.transpose() * *area))
+        .sum();
+    // Centre, decentring and tilt may trade against each other by degrees: too much to treat the
+    // rotation as small.
+    let turn = nearest_rotation(&scatter).unwrap_or_else(Matrix3::identity);
+    let apart: Vec<Option<[f64; 2]>> = pairs()
+        .map(|((ray, _), other)| {
+            let squared = (turn * (*other)? - ray).norm_squared();
+            let variances = chosen.variances(ray).zip(freer.variances(ray));
+            Some([
+                squared,
+                variances.map_or(0.0, |(own, free)| free[1] - own[1]),
+            ])
+        })
+        .collect();
     // Where the freer lens has no ray the next ring further in holds: nothing is known of the difference.
     let mut known = 0.0;
-    let ring = |ring: &[Option<f64>]| {
-        let seen: Vec<f64> = ring.iter().flatten().copied().collect();
+    let ring = |ring: &[Option<[f64; 2]>]| {
+        let seen: Vec<[f64; 2]> = ring.iter().flatten().copied().collect();
         if !seen.is_empty() {
-            known = seen.iter().sum::<f64>() / seen.len() as f64;
+            let mean = |k: usize| seen.iter().map(|of| of[k]).sum::<f64>() / seen.len() as f64;
+            known = (mean(0) - mean(1).max(0.0)).max(LEAST_SHARE * mean(0));
         }
         known
     };

@@ -337,8 +337,9 @@ impl Bundle<'_> {
 
     /// Covariance of the lens by the jackknife over views (Efron 1981): the scatter of what each view's
     /// absence does to it, to first order. Errors that the corners of a view share count in full, where
-    /// [`Bundle::cofactors`] takes each corner's for its own. A free shape of the board follows. `None`
-    /// where a view cannot be spared.
+    /// [`Bundle::cofactors`] takes each corner's for its own. As the scatter of few views is known badly
+    /// itself, it is widened by [`two_sigma_factor`]. A free shape of the board follows. `None` where a
+    /// view cannot be spared.
     pub fn jackknife(&self, state: &State) -> Option<DMatrix<f64>> {
         let n = self.globals(&state.lens);
         let (mut normal, mut views) = (DMatrix::zeros(n, n), Vec::new());
@@ -355,8 +356,20 @@ impl Bundle<'_> {
             covariance += &step * step.transpose();
         }
         let count = views.len() as f64;
-        Some(covariance * ((count - 1.0) / count))
+        let widened = two_sigma_factor(count - 1.0);
+        Some(covariance * ((count - 1.0) / count * widened * widened))
     }
+}
+
+/// Quantile of Student's distribution over the normal one's at two standard errors, by the first terms of
+/// its expansion in the degrees of freedom (Abramowitz & Stegun 1964, 26.7.5): twice a standard error with
+/// this factor is exceeded as rarely as twice one that is known.
+fn two_sigma_factor(freedom: f64) -> f64 {
+    const SIGMAS: f64 = 2.0;
+    let powers = [2, 4].map(|power| SIGMAS.powi(power));
+    let first = (powers[0] + 1.0) / 4.0;
+    let second = (5.0 * powers[1] + 16.0 * powers[0] + 3.0) / 96.0;
+    1.0 + (first + second / freedom) / freedom
 }
 
 /// Factors that make the diagonal 1.
@@ -374,4 +387,18 @@ fn solve_scaled(normal: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f
     let right = DVector::from_fn(n, |a, _| right[a] * scale[a]);
     let solution = scaled.cholesky()?.solve(&right);
     Some(DVector::from_fn(n, |a, _| solution[a] * scale[a]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::two_sigma_factor;
+
+    #[test]
+    fn few_views_widen_as_students_distribution_does() {
+        // Its two-sided quantiles at 95.45 %, from tables.
+        for (freedom, quantile) in [(4.0, 2.869), (10.0, 2.284), (30.0, 2.087)] {
+            let factor = two_sigma_factor(freedom);
+            assert!((2.0 * factor / quantile - 1.0).abs() < 0.02, "{freedom}");
+        }
+    }
 }

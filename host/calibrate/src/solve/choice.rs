@@ -39,7 +39,7 @@ impl<'a> Candidate<'a> {
         options: &Options,
     ) -> Self {
         let start = lens.meet_profile([base.p[0], base.p[1]], &profile(base_lens, base));
-        let fit = start.and_then(|p| base.refined(lens, p, 100));
+        let fit = start.and_then(|p| base.refined(lens, p, 100, bundle::EXACT));
         let camera = match &fit {
             None => Err("no fit".into()),
             Some(fit) => camera(lens, fit, size_px, options),

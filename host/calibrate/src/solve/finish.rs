@@ -34,7 +34,7 @@ pub fn calibration(
         return Err(CalibrateError::Singular);
     };
     let lens = candidate.lens;
-    let covariance = covariance(lens, fit)?;
+    let (covariance, covariance_by_views) = covariances(lens, fit)?;
     let parameters = lens.describe().into_iter().enumerate();
     let parameters = parameters.map(|(k, (name, factor))| Parameter {
         name,
@@ -56,6 +56,7 @@ pub fn calibration(
         field_rad: field_rad(lens, fit),
         parameters: parameters.collect(),
         covariance,
+        covariance_by_views,
         freer,
         scores: scores.collect(),
         board_shape: is_shaped(fit).then(|| {
@@ -120,8 +121,12 @@ fn score(candidate: &Candidate<'_>, chosen: bool) -> ModelScore {
     }
 }
 
-/// Covariance of the parameters as the eye's file has them.
-fn covariance(lens: &dyn Lens, fit: &Fit) -> Result<DMatrix<f64>, CalibrateError> {
+/// Covariances of the parameters as the eye's file has them: from the corners' noise, and from what
+/// leaving out one view does.
+fn covariances(
+    lens: &dyn Lens,
+    fit: &Fit,
+) -> Result<(DMatrix<f64>, Option<DMatrix<f64>>), CalibrateError> {
     let (sights, poses) = fit.active();
     let (sum, count) = square_sum(lens, &fit.p, &sights, &poses);
     let bundle = Bundle {
@@ -146,9 +151,13 @@ fn covariance(lens: &dyn Lens, fit: &Fit) -> Result<DMatrix<f64>, CalibrateError
     let cofactors = bundle.cofactors(&state).ok_or_else(degenerate)?;
     let variance = sum / freedom as f64;
     let names = lens.describe();
-    Ok(DMatrix::from_fn(names.len(), names.len(), |a, b| {
-        cofactors[(a, b)] * variance * names[a].1 * names[b].1
-    }))
+    let in_file = |of: DMatrix<f64>| {
+        DMatrix::from_fn(names.len(), names.len(), |a, b| {
+            of[(a, b)] * names[a].1 * names[b].1
+        })
+    };
+    let by_views = bundle.jackknife(&state);
+    Ok((in_file(cofactors * variance), by_views.map(in_file)))
 }
 
 /// Greatest angle off axis of a corner in use, rad.

@@ -69,15 +69,16 @@ impl Fit {
         (sum / count.max(1) as f64).sqrt()
     }
 
-    /// Refines lens and poses over the corners as they are marked. `None` if that fails.
-    pub fn refined(&self, lens: &dyn Lens, p: Vec<f64>, steps: usize) -> Option<Self> {
+    /// Refines lens and poses over the corners as they are marked, until a step gains less than the share
+    /// `end` of the cost, at most `steps` times. `None` if that fails.
+    pub fn refined(&self, lens: &dyn Lens, p: Vec<f64>, steps: usize, end: f64) -> Option<Self> {
         let (sights, poses) = self.active();
         let bundle = Bundle {
             lens,
             sights: &sights,
             loss: self.loss(),
             free_shape: self.free_shape,
-            end: bundle::EXACT,
+            end,
         };
         let state = bundle.refine(p, poses, steps)?;
         Some(self.with_state(state))
@@ -103,13 +104,13 @@ impl Fit {
         // Marks settle in two or three rounds; the limit ends a view that hops in and out.
         for _ in 0..8 {
             self.sigma_px = self.robust_sigma(lens);
-            self = self.refined(lens, self.p.clone(), 50)?;
+            self = self.refined(lens, self.p.clone(), 50, bundle::EXACT)?;
             self.sigma_px = self.robust_sigma(lens);
             if !self.mark(lens) {
                 break;
             }
         }
-        self.refined(lens, self.p.clone(), 50)
+        self.refined(lens, self.p.clone(), 50, bundle::EXACT)
     }
 
     /// Median length of all corners' residuals in active views, used or not, as a standard

@@ -11,6 +11,11 @@ use super::lens::{Lens, OcamLens, TiltedLens};
 /// Degrees above that of the lens chosen: the next even power and the next odd one.
 const MORE_DEGREES: usize = 2;
 
+/// Share of the cost that a step must gain for another to follow. The cost of a thousand corners is about 2000
+/// times a coordinate's variance: a step that gains less moves the lens by less than a twentieth of its
+/// standard error.
+const CLOSE: f64 = 1e-6;
+
 /// A polynomial of a higher degree than the chosen lens needs, with skew, decentring and a tilted sensor
 /// free, fitted to the same corners.
 ///
@@ -36,7 +41,7 @@ impl FreerLens {
         let scale_px = base_lens.scale_px();
         let lens = lens(degree, scale_px);
         let start = lens.meet_profile([base.p[0], base.p[1]], &profile(base_lens, base))?;
-        let fit = base.refined(&lens, start, 100)?;
+        let fit = base.refined(&lens, start, 100, CLOSE)?;
         let (sights, poses) = fit.active();
         let (sum, count) = square_sum(&lens, &fit.p, &sights, &poses);
         let unknowns = lens.count() + 6 * poses.len();

@@ -77,6 +77,9 @@ pub struct Options {
     /// Labels may run against the picture's handedness, as some detectors' do. Otherwise boards
     /// seen from behind mean mirrored pictures, which are refused.
     pub mirrored_labels: bool,
+    /// The model's error is estimated with a [freer lens](FreerLens). Needless where the camera alone is
+    /// wanted; stated errors of directions are too small without.
+    pub model_error: bool,
 }
 
 impl Default for Options {
@@ -87,6 +90,7 @@ impl Default for Options {
             image_circle_px: None,
             decentring: true,
             mirrored_labels: false,
+            model_error: true,
         }
     }
 }
@@ -149,15 +153,19 @@ pub fn calibrate(problem: &Problem, options: &Options) -> Result<Calibration, Ca
     let refined = refined.unwrap_or_default();
     let refined = choice::judged(&refined, &lens, &base, problem.size_px, options);
     candidates.extend(refined);
+    let usual_degree = best.map_or(CLEANING.0, |best| candidates[best].lens.degree());
     candidates.sort_by_key(|candidate| candidate.lens.count());
     let Some(chosen) = choice::choose(&candidates, options.model) else {
         return Err(no_model(&candidates));
     };
     let degree = match candidates[chosen].lens.degree() {
-        0 => best.map_or(CLEANING.0, |best| candidates[best].lens.degree()),
+        0 => usual_degree,
         degree => degree,
     };
-    let freer = FreerLens::new(&lens, &base, degree);
+    let freer = match options.model_error {
+        true => FreerLens::new(&lens, &base, degree),
+        false => None,
+    };
     finish::calibration(problem, sights, (&candidates, chosen), freer)
 }
 

@@ -376,6 +376,60 @@ fn other_models_are_fitted_and_scored() {
     assert!(AngularUncertainty::new(&result).is_some());
 }
 
+/// Whatever model is chosen, the lens that judges it is two degrees above the polynomial, here 4: the
+/// other models are as free as that.
+#[test]
+fn the_lens_that_judges_is_freer_than_any_model() {
+    for model in [Model::Ocam, Model::KannalaBrandt, Model::DoubleSphere] {
+        let options = Options {
+            model: Some(model),
+            ..fixed_degree()
+        };
+        let result = calibrate(&problem(10, 0.1, 7), &options).expect("calibrates");
+        let freer = result.freer.expect("ten views fix it");
+        // Centre, aspect, skew, decentring (2), six of the polynomial, tilt (2).
+        assert_eq!(freer.parameters().len(), 14, "{model:?}");
+    }
+}
+
+#[test]
+fn the_model_error_is_left_out_where_the_camera_alone_is_wanted() {
+    let options = Options {
+        model_error: false,
+        ..fixed_degree()
+    };
+    let [alone, judged] = [options, fixed_degree()]
+        .map(|options| calibrate(&problem(10, 0.1, 7), &options).expect("calibrates"));
+    assert_eq!(alone.freer, None);
+    assert_eq!(alone.model, judged.model);
+}
+
+/// The model of this lens is exact: what the freer lens says beyond that is its own noise.
+#[test]
+fn a_model_that_is_exact_has_next_to_no_model_error() {
+    let result = calibrate(&problem(30, 0.1, 7), &fixed_degree()).expect("calibrates");
+    let stated = AngularUncertainty::new(&result).expect("a polynomial");
+    let flat = Calibration {
+        freer: None,
+        ..result.clone()
+    };
+    let without = AngularUncertainty::new(&flat).expect("a polynomial");
+    let [with, without] = [&stated, &without].map(|stated| {
+        let squares = (0..60).map(|k| {
+            let turn = 2.4 * f64::from(k);
+            let radius_px = 380.0 * (f64::from(k) / 60.0).sqrt();
+            let pixel = [
+                640.0 + radius_px * libm::cos(turn),
+                478.0 + radius_px * libm::sin(turn),
+            ];
+            let sigma = stated.rotation_free_sigma_rad(pixel);
+            sigma.expect("in the image").powi(2)
+        });
+        squares.sum::<f64>()
+    });
+    assert!(without <= with && with < 2.0 * without, "{with} {without}");
+}
+
 fn refusal(problem: &Problem) -> CalibrateError {
     calibrate(problem, &Options::default()).expect_err("no camera in this")
 }

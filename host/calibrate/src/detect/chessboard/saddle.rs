@@ -11,10 +11,13 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use super::super::normal::normal;
 use super::plane::Plane;
 
 const PARAMETERS: usize = 14;
 const STEPS: usize = 30;
+/// Steps shorter than this move no corner that matters, px.
+const SHORT_PX: f64 = 1e-4;
 /// Grey levels of noise against which the weak priors are weighed.
 const NOISE: f64 = 6.0;
 
@@ -121,7 +124,11 @@ impl Saddle {
     }
 
     /// Model at `q` from the corner, and its derivatives.
-    fn evaluate(&self, q: [f64; 2], frames: &[[f64; 2]; 2]) -> (f64, [f64; PARAMETERS]) {
+    fn evaluate(
+        &self,
+        q: [f64; 2],
+        Fixed { frames, blurs_px }: &Fixed,
+    ) -> (f64, [f64; PARAMETERS]) {
         // Shares of the half planes on either side of an edge, after and before it, and their slopes by
         // the distance into them; then the distance's derivatives by the corner, the direction and the
         // curvature; the half planes' by the blur.
@@ -137,10 +144,10 @@ impl Saddle {
             let across = cos * q[1] - sin * q[0];
             let bend = self.curvatures[k] * along;
             let d = across + bend * along / 2.0;
-            let blur = libm::exp(self.log_blurs[k]);
-            (half[k][0], slope[k][0]) = half_plane((d - self.glare_px) / blur);
+            let blur = blurs_px[k];
+            (half[k][0], slope[k][0]) = normal((d - self.glare_px) / blur).into();
             (half[k][1], slope[k][1]) = if self.in_glare {
-                half_plane((-d - self.glare_px) / blur)
+                normal((-d - self.glare_px) / blur).into()
             } else {
                 (1.0 - half[k][0], slope[k][0])
             };
@@ -201,17 +208,22 @@ const MOST_TONE: f64 = 0.6;
 const MOST_GLARE: f64 = 0.5;
 /// Glare is white: grey levels that a camera clips.
 const CLIPPED: f64 = 250.0;
-/// 1 / sqrt(2 pi): slope of the normal distribution at 0.
-const SQRT_1_OVER_TAU: f64 = 0.398_942_280_401_432_7;
 
-/// The normal distribution and its density; beyond five sigmas the picture is flat to a thousandth of
-/// a grey level.
-fn half_plane(z: f64) -> (f64, f64) {
-    if z.abs() > 5.0 {
-        return (if z > 0.0 { 1.0 } else { 0.0 }, 0.0);
+/// What a model has in common at all pixels.
+struct Fixed {
+    /// Cosine and sine of both edges' directions.
+    frames: [[f64; 2]; 2],
+    /// [`Saddle::blurs_px`].
+    blurs_px: [f64; 2],
+}
+
+impl Fixed {
+    fn of(saddle: &Saddle) -> Self {
+        Self {
+            frames: frames(saddle),
+            blurs_px: saddle.blurs_px(),
+        }
     }
-    let share = (1.0 + libm::erf(z * std::f64::consts::FRAC_1_SQRT_2)) / 2.0;
-    (share, SQRT_1_OVER_TAU * libm::exp(-z * z / 2.0))
 }
 
 /// Corners nearer to the picture's border are not sure, px.
@@ -278,16 +290,19 @@ pub(super) fn fit(plane: &Plane, start: &Saddle, radius_px: f64) -> Option<Fit> 
             && next.log_blurs.iter().all(|b| (-2.0..3.0).contains(b))
             && next.tone.abs() < MOST_TONE
             && next.glare_px < MOST_GLARE * radius_px;
+        let is_short = libm::hypot(step[0], step[1]) < SHORT_PX;
         let trial = sound.then(|| linearise(&next, start, &window, &priors));
         match trial {
             Some((lower, n, g)) if lower < cost => {
-                let settled = libm::hypot(step[0], step[1]) < 1e-4 && cost - lower < 1e-6 * cost;
+                let settled = is_short && cost - lower < 1e-6 * cost;
                 (saddle, cost, normal, gradient) = (next, lower, n, g);
                 damping = (damping / 5.0).max(1e-9);
                 if settled {
                     break;
                 }
             }
+            // At the minimum, as far as rounding lets the cost tell.
+            Some(_) if is_short => break,
             _ => {
                 damping *= 8.0;
                 if damping > 1e6 {
@@ -354,13 +369,12 @@ fn separation(saddle: &Saddle, window: &Window) -> f64 {
 fn with_levels(start: &Saddle, window: &Window) -> Saddle {
     let mut saddle = *start;
     (saddle.ground, saddle.contrast) = (0.0, 1.0);
-    let frames = frames(&saddle);
+    let fixed = Fixed::of(&saddle);
     // Weighted regression of the picture on the bare crossing.
     let mut sums = [0.0; 4];
     for (place, value, weight) in &window.pixels {
         let q = [place[0] - saddle.at[0], place[1] - saddle.at[1]];
-        let crossing =
-            saddle.evaluate(q, &frames).0 - saddle.tilt[0] * q[0] - saddle.tilt[1] * q[1];
+        let crossing = saddle.evaluate(q, &fixed).0 - saddle.tilt[0] * q[0] - saddle.tilt[1] * q[1];
         for (sum, term) in
             sums.iter_mut()
                 .zip([crossing, *value, crossing * crossing, crossing * value])
@@ -408,32 +422,32 @@ fn linearise(
     window: &Window,
     priors: &[f64; PARAMETERS],
 ) -> (f64, Normal, SVector<f64, PARAMETERS>) {
-    let frames = frames(saddle);
+    let fixed = Fixed::of(saddle);
     let mut cost = 0.0;
-    let mut normal = Normal::zeros();
-    let mut gradient = SVector::<f64, PARAMETERS>::zeros();
+    // Whole rows, though one triangle would do: loops of a fixed length take half the time.
+    let mut sums = [[0.0; PARAMETERS]; PARAMETERS];
+    let mut gradient = [0.0; PARAMETERS];
     for (place, value, weight) in &window.pixels {
         let q = [place[0] - saddle.at[0], place[1] - saddle.at[1]];
-        let (model, derivatives) = saddle.evaluate(q, &frames);
+        let (model, derivatives) = saddle.evaluate(q, &fixed);
         let error = model - value;
         cost += weight * error * error;
-        for row in 0..PARAMETERS {
-            let scaled = weight * derivatives[row];
-            gradient[row] += scaled * error;
-            for column in 0..=row {
-                normal[(row, column)] += scaled * derivatives[column];
+        for k in 0..PARAMETERS {
+            let scaled = weight * derivatives[k];
+            gradient[k] += scaled * error;
+            for (sum, derivative) in sums[k].iter_mut().zip(derivatives) {
+                *sum += scaled * derivative;
             }
         }
     }
+    let mut normal = Normal::from_fn(|row, column| sums[row.max(column)][row.min(column)]);
+    let mut gradient = SVector::from(gradient);
     let (now, then) = (saddle.to_vector(), start.to_vector());
     for k in 0..PARAMETERS {
         let off = now[k] - then[k];
         cost += priors[k] * off * off;
         gradient[k] += priors[k] * off;
         normal[(k, k)] += priors[k];
-        for column in 0..k {
-            normal[(column, k)] = normal[(k, column)];
-        }
     }
     (cost, normal, gradient)
 }

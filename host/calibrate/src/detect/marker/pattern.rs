@@ -1,6 +1,6 @@
 //! A marker's cells as a blurred print.
 
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use super::super::normal::normal;
 
 /// Standard deviations of the blur beyond which a cell adds nothing.
 const REACH: f64 = 4.0;
@@ -72,12 +72,11 @@ struct Part {
 impl Part {
     fn of(index: usize, at: f64, blur: f64) -> Self {
         let [from, to] = [0.0, 1.0].map(|end| (at - index as f64 - end) / blur);
-        let below = |z: f64| 0.5 * libm::erfc(-z * FRAC_1_SQRT_2);
-        let density = |z: f64| libm::exp(-0.5 * z * z) / libm::sqrt(TAU);
+        let [[share_from, density_from], [share_to, density_to]] = [normal(from), normal(to)];
         Self {
-            share: below(from) - below(to),
-            slope: (density(from) - density(to)) / blur,
-            by_log_blur: density(to) * to - density(from) * from,
+            share: share_from - share_to,
+            slope: (density_from - density_to) / blur,
+            by_log_blur: density_to * to - density_from * from,
         }
     }
 }

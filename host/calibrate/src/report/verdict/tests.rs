@@ -94,6 +94,20 @@ fn the_map_of_uncertainty_says_how_far_to_trust() {
 }
 
 #[test]
+fn an_error_beyond_all_bounds_is_called_unknown() {
+    let wild = |px: [f64; 2]| {
+        let off = model().unproject(px).ok()?.angle(&nalgebra::Vector3::z());
+        Some(if off < 1.5 { EVEN_RAD } else { 7.6 })
+    };
+    let verdict = verdict(&sample(&everywhere(), false), &wild);
+    assert!(
+        verdict.sentence.contains("reach an unknown angle at 105"),
+        "{}",
+        verdict.sentence
+    );
+}
+
+#[test]
 fn overfitting_is_told() {
     let care = told(|calibration| calibration.held_out_rms_px = Some(0.31));
     assert_eq!(care.trust, Trust::Care);

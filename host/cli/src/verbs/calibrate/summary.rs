@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 use tectum_calibrate::ViewFit;
-use tectum_calibrate::report::precision::Ring;
+use tectum_calibrate::report::precision::{self, Ring};
 use tectum_calibrate::report::verdict::Verdict;
 use tectum_calibrate::session::CalibratedShots;
 
@@ -147,11 +147,11 @@ fn directions(rings: &[Ring]) -> String {
     let told = told.filter(|(index, _)| index % 3 == 2 || *index == last);
     let told: Vec<String> = told
         .map(|(_, ring)| {
-            format!(
-                "{:.3} at {:.0}",
-                ring.rms_rad.to_degrees(),
-                ring.to_rad.to_degrees()
-            )
+            let at = format!("at {:.0}", ring.to_rad.to_degrees());
+            match precision::is_unknown(ring.rms_rad) {
+                true => format!("unknown {at}"),
+                false => format!("{:.3} {at}", ring.rms_rad.to_degrees()),
+            }
         })
         .collect();
     format!("standard errors, degrees: {} off axis", told.join(", "))
