@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use tectum_calibrate::Calibration;
-use tectum_calibrate::solve::{self, Model, Problem};
-use tectum_calibrate::stereo::{self, StereoCalibration};
+use tectum_calibrate::session::{BothEyes, frame_size};
+use tectum_calibrate::solve::Model;
+use tectum_calibrate::stereo::StereoCalibration;
 use tectum_optics::CameraModel;
 use tectum_optics::io::opencv::FileStorage;
 use tectum_optics::io::{
@@ -13,7 +13,7 @@ use tectum_optics::io::{
 };
 
 use super::Args;
-use super::outputs::{self, Group, frame_size};
+use super::outputs::Group;
 
 /// `file.txt` to `file-left.txt`; a name without an ending gets `ending`.
 pub fn of_eye(file: &Path, side: &str, ending: &str) -> PathBuf {
@@ -55,15 +55,12 @@ pub fn files(args: &Args) -> Vec<PathBuf> {
 
 /// Adds what is asked for: lenses of the other programs' own models, fitted to the same corners with a
 /// pose of their own.
-pub fn add(
-    group: &mut Group,
-    args: &Args,
-    problems: &[Problem; 2],
-    own: (&[Calibration; 2], &StereoCalibration),
-) -> anyhow::Result<()> {
-    let sizes_px = [frame_size(&own.0[0])?, frame_size(&own.0[1])?];
+pub fn add(group: &mut Group, args: &Args, own: &BothEyes) -> anyhow::Result<()> {
+    let sizes_px = [frame_size(&own.eyes[0])?, frame_size(&own.eyes[1])?];
+    let options = args.options();
+    let of_model = |model| own.of_model(model, &options).context("export");
     if let Some(file) = &args.calib_results {
-        let both = of_model(args, problems, own, Model::Ocam)?;
+        let both = of_model(Model::Ocam)?;
         for (k, (side, model)) in sides(&both).into_iter().enumerate() {
             let CameraModel::Ocam(lens) = model else {
                 bail!("the polynomial is no polynomial: a bug");
@@ -75,7 +72,7 @@ pub fn add(
     if args.opencv.is_none() && args.kalibr.is_none() {
         return Ok(());
     }
-    let both = of_model(args, problems, own, Model::KannalaBrandt)?;
+    let both = of_model(Model::KannalaBrandt)?;
     let pose = relative(&both);
     if let Some(file) = &args.kalibr {
         let cameras = sides(&both).into_iter().zip(sizes_px);
@@ -104,24 +101,6 @@ pub fn add(
 
 fn sides(both: &StereoCalibration) -> [(&'static str, &CameraModel); 2] {
     [("left", &both.left), ("right", &both.right)]
-}
-
-/// The same corners' eyes of a model as other programs have it: not decentred.
-fn of_model(
-    args: &Args,
-    problems: &[Problem; 2],
-    (eyes, both): (&[Calibration; 2], &StereoCalibration),
-    model: Model,
-) -> anyhow::Result<StereoCalibration> {
-    if eyes.iter().all(|eye| outputs::is_plain(&eye.model, model)) {
-        return Ok(both.clone());
-    }
-    let options = outputs::plain_options(args, model);
-    let [left, right] = problems
-        .each_ref()
-        .map(|problem| solve::calibrate(problem, &options));
-    let (left, right) = (left.context("export")?, right.context("export")?);
-    stereo::calibrate((&problems[0], &left), (&problems[1], &right)).context("export")
 }
 
 #[cfg(test)]

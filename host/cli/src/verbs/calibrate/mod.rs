@@ -9,15 +9,14 @@ mod summary;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use tectum_calibrate::session::list;
-use tectum_calibrate::solve::{self, CalibrateError, Options, Problem};
-use tectum_calibrate::{Board, Calibration, Dictionary, View};
+use tectum_calibrate::session::{CalibratedShots, list};
+use tectum_calibrate::solve::{self, Options};
+use tectum_calibrate::{Board, Dictionary};
 use tectum_optics::Medium;
 
 use crate::boards::{self, PrintedBoard};
 use crate::files;
 use crate::report::{Report, Usage};
-use shots::Shots;
 
 /// Pictures of a chessboard to a calibrated eye
 #[derive(clap::Args)]
@@ -168,8 +167,9 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     }
     files::check_outputs(args.outputs(), list(&args.pictures)?)?;
     let shots = shots::take(args, board, &args.pictures)?;
-    let kept = |error| shots.and_kept(error);
-    let eye = CalibratedShots::new(&shots, &args.options()).map_err(kept)?;
+    let kept = |error| shots::and_kept(args, &shots, error);
+    let eye = CalibratedShots::new(&shots, &args.options());
+    let eye = eye.map_err(|error| kept(error.into()))?;
     outputs::write(args, &eye).map_err(kept)?;
     summary::report(args, &eye)
 }
@@ -223,41 +223,5 @@ impl Args {
     fn session_folder(&self) -> PathBuf {
         let beside = || self.output.with_extension("session");
         self.session.clone().unwrap_or_else(beside)
-    }
-}
-
-/// Pictures and the camera that they give.
-struct CalibratedShots<'a> {
-    shots: &'a Shots,
-    calibration: Calibration,
-}
-
-impl<'a> CalibratedShots<'a> {
-    fn new(shots: &'a Shots, options: &Options) -> anyhow::Result<Self> {
-        let problem = Problem {
-            size_px: shots.size_px,
-            board: shots.board,
-            views: shots.views().map(|(_, _, view)| view.clone()).collect(),
-        };
-        let calibration = solve::calibrate(&problem, options).map_err(|error| match error {
-            // These count pictures; their names say more.
-            CalibrateError::BadCorner { view, .. }
-            | CalibrateError::WrongBoard { view, .. }
-            | CalibrateError::DoubleLabel { view, .. } => {
-                let file = shots
-                    .views()
-                    .nth(view)
-                    .map(|(file, ..)| file.display().to_string());
-                anyhow::anyhow!("{}: {error}", file.unwrap_or_default())
-            }
-            _ => error.into(),
-        })?;
-        Ok(Self { shots, calibration })
-    }
-
-    /// File, hash and corners of each view, beside what became of it.
-    fn views(&self) -> impl Iterator<Item = (&Path, &str, &View, &tectum_calibrate::ViewFit)> {
-        let views = self.shots.views().zip(&self.calibration.views);
-        views.map(|((file, sha256, view), fit)| (file, sha256, view, fit))
     }
 }

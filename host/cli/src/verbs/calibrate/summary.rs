@@ -6,8 +6,9 @@ use serde_json::{Value, json};
 use tectum_calibrate::ViewFit;
 use tectum_calibrate::report::precision::{self, Ring};
 use tectum_calibrate::report::verdict::Verdict;
+use tectum_calibrate::session::CalibratedShots;
 
-use super::{Args, CalibratedShots, outputs};
+use super::{Args, outputs};
 use crate::detecting;
 use crate::report::{Report, path_json, paths_json};
 
@@ -171,7 +172,7 @@ fn field_deg(eye: &CalibratedShots<'_>) -> f64 {
 }
 
 fn without_board(eye: &CalibratedShots<'_>) -> Vec<String> {
-    let pictures = detecting::readable(&eye.shots.detections).into_iter();
+    let pictures = eye.shots.detections.readable().into_iter();
     let without = pictures.filter(|(_, detected)| detected.found.board.is_none());
     without
         .map(|(index, _)| {
@@ -242,7 +243,7 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
             })
         })
         .collect();
-    let resumed = detecting::readable(&shots.detections);
+    let resumed = shots.detections.readable();
     json!({
         "images": shots.detections.pictures.len(),
         "accepted": calibration.views_used(),
@@ -264,7 +265,7 @@ fn json(args: &Args, eye: &CalibratedShots<'_>, verdict: &Verdict) -> Value {
         "duplicates": shots.duplicates,
         "skipped": detecting::skipped_json(&shots.detections),
         "resumed": resumed.iter().filter(|(_, detected)| detected.resumed).count(),
-        "session": shots.folder,
+        "session": args.session_folder(),
         "directions": directions,
         "verdict": verdict.sentence,
         "advice": verdict.advice,

@@ -8,10 +8,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use serde_json::json;
-use tectum_calibrate::session::{Detections, list};
+use tectum_calibrate::session::{Detections, Targets, list, mirrored};
 use tectum_calibrate::{BoardSize, Dictionary};
 
-use crate::detecting::Targets;
 use crate::report::{Report, path_json};
 use crate::{detecting, files, pictures};
 
@@ -67,7 +66,7 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     files::check_outputs(csv.iter().chain(&corners).chain(drawn), &paths)?;
     let kept = args.output.as_ref().map(|folder| folder.join("session"));
     let detections = detecting::run(&paths, &targets, args.session.clone().or(kept))?;
-    let readable = detecting::readable(&detections);
+    let readable = detections.readable();
     if readable.is_empty() {
         bail!(
             "none of the {} pictures can be read:\n{}",
@@ -76,7 +75,8 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
         );
     }
     let files = readable.iter().map(|(index, _)| &*paths[*index]);
-    let mirrored = detecting::mirrored(&detections, args.markers.as_ref(), files)?;
+    let mirrored = mirrored(&detections, args.markers.as_ref(), files, &detecting::load)
+        .map_err(anyhow::Error::from_boxed)?;
     let json = json!({
         "pictures": tables::pictures(&detections),
         "mirrored": mirrored.map(path_json),
@@ -119,7 +119,7 @@ fn drawing_names(folder: &Path, paths: &[PathBuf]) -> Vec<PathBuf> {
 
 fn text(args: &Args, detections: &Detections) -> String {
     let mut text = String::new();
-    let readable = detecting::readable(detections);
+    let readable = detections.readable();
     for (index, detected) in &readable {
         let found = &detected.found;
         let _ = write!(text, "{}:", detections.pictures[*index].file.display());

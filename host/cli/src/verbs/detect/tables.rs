@@ -5,12 +5,11 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 use tectum_calibrate::session::Detections;
 
-use crate::detecting::readable;
 use crate::report::path_json;
 
 /// One entry a picture that could be read.
 pub fn pictures(detections: &Detections) -> Vec<Value> {
-    let pictures = readable(detections).into_iter().map(|(index, detected)| {
+    let pictures = detections.readable().into_iter().map(|(index, detected)| {
         let corners = detected.found.board.iter().flat_map(|view| &view.corners);
         let corners: Vec<Value> = corners
             .map(|corner| {
@@ -37,7 +36,7 @@ pub fn pictures(detections: &Detections) -> Vec<Value> {
 /// One line a corner: of boards with i and j, of markers with id and the corner's number.
 pub fn csv(detections: &Detections) -> String {
     let mut text = String::from("file,kind,id,i,j,x_px,y_px,sigma_px\n");
-    for (index, detected) in readable(detections) {
+    for (index, detected) in detections.readable() {
         let file = quoted(&detections.pictures[index].file.display().to_string());
         for corner in detected.found.board.iter().flat_map(|view| &view.corners) {
             let ([x, y], sigma) = (corner.position_px, corner.sigma_px);
