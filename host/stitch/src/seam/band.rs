@@ -118,7 +118,7 @@ mod tests {
                 )
             };
             let text = format!(
-                "name = \"two\"\n[left]\n{}[right]\n{}",
+                "name = \"two\"\nmedium = \"air\"\nstitch_distance_m = inf\n[left]\n{}[right]\n{}",
                 eye(90.0),
                 eye(-90.0)
             );
