@@ -16,7 +16,7 @@ use super::{Position, Source, dsp};
 /// Where pixels share bytes in pairs, `out` is the first pixel's pair and `end` two bytes a pixel on, the
 /// whole of the last one's pair is the caller's too, `base` is a pair, and so is `last_pair` pairs on.
 #[repr(C)]
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Cell {
     /// Offset in x, Q24, and its first two differences.
     x: [i32; 3],
@@ -32,6 +32,21 @@ pub(crate) struct Cell {
     last_pair: i32,
     /// Where they do: whether the first pixel is the odd one of the pair at `out`.
     is_odd: u32,
+}
+
+impl Cell {
+    /// Moves both axes on to the next pixel.
+    #[inline(always)]
+    fn step(&mut self) {
+        for (axis, third) in [&mut self.x, &mut self.y].into_iter().zip(self.third) {
+            let [offset, first, second] = *axis;
+            *axis = [
+                offset.wrapping_add(first),
+                first.wrapping_add(second),
+                second.wrapping_add(third),
+            ];
+        }
+    }
 }
 
 /// A kernel that writes the pixels of a cell.
@@ -105,33 +120,17 @@ impl Run {
         unsafe { dsp::set_up(self, a, b, c, d) };
         // Only a run's first cell is entered in its middle.
         for _ in 0..next.first {
-            for (axis, third) in [&mut self.cell.x, &mut self.cell.y]
-                .into_iter()
-                .zip(self.cell.third)
-            {
-                let [offset, first, second] = *axis;
-                *axis = [
-                    offset.wrapping_add(first),
-                    first.wrapping_add(second),
-                    second.wrapping_add(third),
-                ];
-            }
+            self.cell.step();
         }
     }
 
     /// Whether the present cell keeps its contract for `len` pixels of `source`.
     fn shows<P: Position, const BYTES: usize>(&self, source: Source<'_>, len: u32) -> bool {
-        let [[mut x, mut x1, mut x2], [mut y, mut y1, mut y2]] = [self.cell.x, self.cell.y];
+        let mut cell = self.cell;
         (0..len).all(|_| {
-            let at = [x >> 24, y >> 24];
-            let inside = source.shows(self.cell.base, at, i32::from(P::INTERPOLATES), BYTES);
-            x = x.wrapping_add(x1);
-            x1 = x1.wrapping_add(x2);
-            x2 = x2.wrapping_add(self.cell.third[0]);
-            y = y.wrapping_add(y1);
-            y1 = y1.wrapping_add(y2);
-            y2 = y2.wrapping_add(self.cell.third[1]);
-            inside
+            let at = [cell.x, cell.y].map(|[offset, ..]| offset >> 24);
+            cell.step();
+            source.shows(cell.base, at, i32::from(P::INTERPOLATES), BYTES)
         })
     }
 }
