@@ -11,7 +11,7 @@ use crate::mesh::{FittedMesh, KEPT_BYTES, Targets, fit};
 use crate::metering::meter_pairs;
 use crate::output_map::{from_table, to_table};
 use crate::rays::eye_rays;
-use crate::rows::{RunRule, for_each_row};
+use crate::rows::{RunRule, for_each_row, shown_eyes};
 use crate::scales::ScalesReport;
 use crate::sights::{Seam, Sights, is_hidden};
 use crate::sufficient::{Sufficient, sufficient};
@@ -286,20 +286,11 @@ pub(crate) fn trace<'a>(
     let row = |y| sights.row(y);
     for_each_row(sights.size_px(), row, rule, |runs, sights| {
         for (eye, targets) in targets.iter_mut().enumerate() {
-            let mut first = 0;
-            let shown = runs.iter().flat_map(|run| {
-                let (len, shown) = match *run {
-                    RunData::Void(n) => (n, [false, false]),
-                    RunData::Left(n) => (n, [true, false]),
-                    RunData::Right(n) => (n, [false, true]),
-                    RunData::Blend(n, _) => (n, [true, true]),
-                };
-                let columns = first..first + usize::from(len);
-                first = columns.end;
-                if shown[eye] { columns } else { 0..0 }
-            });
+            let of_eye = shown_eyes(&runs).filter(|(_, eyes)| eyes.contains(&eye));
             let positions = &sights.positions[eye];
-            let shown = shown.map(|x| (x, positions[x]));
+            let shown = of_eye
+                .flat_map(|(columns, _)| columns)
+                .map(|x| (x, positions[x]));
             targets.push_row(shown.filter(|(_, position)| !is_hidden(position)));
         }
         rows.push(runs);
@@ -375,16 +366,7 @@ fn bend_deg(rig: &Rig, output: &OutputMap, rows: &[Vec<RunData>]) -> Option<Erro
     let of_row = |(y, runs): (usize, &Vec<RunData>)| {
         let (mut max, mut squares, mut count) = (0.0f64, 0.0, 0usize);
         let ray = rays.row(y);
-        let mut x = 0;
-        for run in runs {
-            let (len, eyes) = match *run {
-                RunData::Void(len) => (len, 0..0),
-                RunData::Left(len) => (len, 0..1),
-                RunData::Right(len) => (len, 1..2),
-                RunData::Blend(len, _) => (len, 0..2),
-            };
-            let columns = x..x + usize::from(len);
-            x = columns.end;
+        for (columns, eyes) in shown_eyes(runs) {
             for ray in columns.filter(|_| !eyes.is_empty()).filter_map(&ray) {
                 for bent in &warp.bent_of_both(&ray)[eyes.clone()] {
                     let by_deg = angle_between(bent, &ray).to_degrees();

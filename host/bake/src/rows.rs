@@ -1,6 +1,7 @@
 //! The runs of all output rows, and fewer different rows where a seam's transition may move a little.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use rayon::prelude::*;
 use tectum_tables::builder::RunData;
@@ -223,6 +224,22 @@ impl WindowRow {
                 })
             })
     }
+}
+
+/// Columns of each run of a row, and the eyes that it shows: 0 left, 1 right.
+pub fn shown_eyes(runs: &[RunData]) -> impl Iterator<Item = (Range<usize>, Range<usize>)> + '_ {
+    let mut first = 0;
+    runs.iter().map(move |run| {
+        let (len, eyes) = match *run {
+            RunData::Void(len) => (len, 0..0),
+            RunData::Left(len) => (len, 0..1),
+            RunData::Right(len) => (len, 1..2),
+            RunData::Blend(len, _) => (len, 0..2),
+        };
+        let columns = first..first + usize::from(len);
+        first = columns.end;
+        (columns, eyes)
+    })
 }
 
 /// The left eye's weight at each pixel of a row as its runs have it; `None` where nothing is shown.

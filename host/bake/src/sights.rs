@@ -25,7 +25,7 @@ pub enum Seam<'a> {
 }
 
 impl<'a> Seam<'a> {
-    /// The rig's seam map, or geometry's seam with a feather if there is none.
+    /// The rig's seam map, or geometry's seam with a feather where the rig has no map.
     pub fn of(rig: &'a Rig, feather_rad: f64) -> Self {
         let map = rig.stitching.as_ref().and_then(|s| s.seam.as_ref());
         map.map_or(Self::Nearer(feather_rad), Self::Map)

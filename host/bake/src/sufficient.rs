@@ -30,7 +30,7 @@ impl fmt::Display for Sufficient {
 }
 
 /// An error or else a size that suffices for what cannot be baked, whose best mesh is off by
-/// `best_px`. `None` for pictures of more than 2048x1024 px, and where there is none.
+/// `best_px`. `None` for pictures of more than 2048x1024 px, and where nothing that was tried gives a table.
 pub fn sufficient(rig: &Rig, options: &BakeOptions, best_px: f64) -> Option<Sufficient> {
     if best_px <= MAX_ERROR_PX {
         max_error_px(rig, options, best_px).map(Sufficient::MaxErrorPx)

@@ -49,10 +49,10 @@ impl Views {
         }
     }
 
-    /// Both views with their eyes' tone curves applied.
+    /// Both views with their eyes' tone curves applied, if there are any.
     #[must_use]
-    pub fn toned(mut self, curves: &Eyes<RgbCurves>) -> Self {
-        for (view, curves) in self.eyes.iter_mut().zip(curves) {
+    pub fn toned(mut self, curves: Option<&Eyes<RgbCurves>>) -> Self {
+        for (view, curves) in self.eyes.iter_mut().zip(curves.into_iter().flatten()) {
             *view = toned(view, curves);
         }
         self

@@ -55,10 +55,7 @@ struct Stitched {
 
 /// Both views mixed by the seam's shares, as the core does it.
 fn stitched(rig: &Rig, eyes: &Eyes<RgbImage>, tone: Option<&Tone>, seam: &Seam) -> Stitched {
-    let mut views = views(rig, eyes, [2048, 1024]);
-    if let Some(tone) = tone {
-        views = views.toned(tone);
-    }
+    let views = views(rig, eyes, [2048, 1024]).toned(tone);
     let share = |i: usize| match [0, 1].map(|eye| views.eyes[eye].seen[i]) {
         [true, true] => {
             let ray = views.map.ray((i % 2048) as f64, (i / 2048) as f64).unwrap();
@@ -157,10 +154,7 @@ fn compare(name: &str, rig: &Rig, eyes: &Eyes<RgbImage>, truth: Option<&RgbImage
     let pictures = [&eyes[0], &eyes[1]];
     let seam_of = |tone: Option<&Tone>| {
         let map = band(rig, 2048).unwrap();
-        let mut views = Views::render(rig, pictures, &map);
-        if let Some(tone) = tone {
-            views = views.toned(tone);
-        }
+        let views = Views::render(rig, pictures, &map).toned(tone);
         let overlap = Overlap::new(&views, AlignOptions::default().margin_px());
         Seam::find(&[views], overlap, &SeamOptions::default()).unwrap()
     };

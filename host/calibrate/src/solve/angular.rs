@@ -13,7 +13,7 @@ const SPOKES: u32 = 24;
 
 /// Share of the squared difference between two lenses that counts as the model's error, however much of it
 /// the freer lens's variance explains: a model's error may happen to be no greater than that.
-const LEAST_SHARE: f64 = 0.5;
+const MIN_SHARE: f64 = 0.5;
 
 /// Uncertainty of rays: what noise of the corners, errors that the corners of a view share, and the
 /// lens's model imply.
@@ -254,7 +254,7 @@ fn model_error(chosen: &Spread, freer: &Spread, field_rad: f64) -> Vec<f64> {
         let seen: Vec<[f64; 2]> = ring.iter().flatten().copied().collect();
         if !seen.is_empty() {
             let mean = |k: usize| seen.iter().map(|of| of[k]).sum::<f64>() / seen.len() as f64;
-            known = (mean(0) - mean(1).max(0.0)).max(LEAST_SHARE * mean(0));
+            known = (mean(0) - mean(1).max(0.0)).max(MIN_SHARE * mean(0));
         }
         known
     };

@@ -263,11 +263,7 @@ impl<'a> Stage<'a> {
         let stitching = rig.stitching.get_or_insert_default();
         stitching.warp = warp.and_then(|warp| warp.map().ok());
         let shot = |pictures: &Eyes<&RgbImage>| {
-            let views = Views::render_where(&rig, *pictures, &self.grid.map, &wanted);
-            match self.tone {
-                Some(tone) => views.toned(tone),
-                None => views,
-            }
+            Views::render_where(&rig, *pictures, &self.grid.map, &wanted).toned(self.tone)
         };
         self.shots.iter().map(shot).collect()
     }

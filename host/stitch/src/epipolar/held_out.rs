@@ -100,7 +100,7 @@ fn jackknife(turns: &[Vector3<f64>]) -> Matrix3<f64> {
     squares.sum::<Matrix3<f64>>() * ((count - 1.0) / count)
 }
 
-/// The middle value; infinite where there are none.
+/// The middle value; infinite for an empty list.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.get(values.len() / 2);

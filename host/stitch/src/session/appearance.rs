@@ -165,13 +165,8 @@ impl Appearance {
         options: &AlignOptions,
     ) -> Result<Seam, SessionError> {
         let frame = band(rig, options.width_px)?;
-        let view = |pair: &Eyes<&RgbImage>| {
-            let views = Views::render(rig, *pair, &frame);
-            match &self.curves {
-                Some(curves) => views.toned(curves),
-                None => views,
-            }
-        };
+        let view =
+            |pair: &Eyes<&RgbImage>| Views::render(rig, *pair, &frame).toned(self.curves.as_ref());
         let views: Vec<Views> = shots.iter().map(view).collect();
         let overlap = Overlap::new(&views[0], options.margin_px());
         Ok(Seam::find(&views, overlap, &SeamOptions::default())?)

@@ -26,7 +26,7 @@ pub(super) fn for_size(size_px: [u16; 2]) -> Result<BakeOptions, ProjectionError
 pub struct Cost {
     /// Size of the stitched picture, px.
     pub size_px: [u16; 2],
-    /// Bytes of the table of the rig as it was, or why there is none.
+    /// Bytes of the table of the rig as it was, or why it cannot be baked.
     pub before: Result<usize, String>,
     /// The same as it is now.
     pub after: Result<usize, String>,
@@ -83,10 +83,8 @@ impl Stitched {
         let stitching = rig.stitching.as_ref();
         let seam = stitching.and_then(|stitching| stitching.seam.as_ref());
         let quality = seam.and_then(|seam| {
-            let mut views = Views::render(rig, pictures.each_ref(), &output);
-            if let Some(curves) = stitching.and_then(|stitching| stitching.tone.as_ref()) {
-                views = views.toned(curves);
-            }
+            let curves = stitching.and_then(|stitching| stitching.tone.as_ref());
+            let views = Views::render(rig, pictures.each_ref(), &output).toned(curves);
             let [width, _] = views.size_px();
             let owns = |i: usize| {
                 let ray = output.ray((i % width) as f64, (i / width) as f64);

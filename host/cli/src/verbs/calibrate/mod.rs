@@ -167,7 +167,8 @@ pub fn run(args: &Args) -> anyhow::Result<Report> {
     }
     files::check_outputs(args.outputs(), list(&args.pictures)?)?;
     let shots = shots::take(args, board, &args.pictures)?;
-    let kept = |error| shots::and_kept(args, &shots, error);
+    let found = shots::kept(args, &shots);
+    let kept = |error| shots::and_kept(&found, error);
     let eye = CalibratedShots::new(&shots, &args.options());
     let eye = eye.map_err(|error| kept(error.into()))?;
     outputs::write(args, &eye).map_err(kept)?;

@@ -32,16 +32,20 @@ pub fn take(args: &Args, board: Board, given: &[PathBuf]) -> anyhow::Result<Shot
     })?;
     shots
         .check(markers, &detecting::load)
-        .map_err(|error| and_kept(args, &shots, error.into()))?;
+        .map_err(|error| and_kept(&kept(args, &shots), error.into()))?;
     Ok(shots)
 }
 
-/// An error, with the pictures that were skipped and where the rest is kept.
-pub fn and_kept(args: &Args, shots: &Shots, error: anyhow::Error) -> anyhow::Error {
-    let kept = format!(
-        "What was found is kept in {}",
-        args.session_folder().display()
-    );
+/// An error, and what was kept nevertheless.
+pub fn and_kept(kept: &str, error: anyhow::Error) -> anyhow::Error {
+    anyhow!("{error:#}. {kept}")
+}
+
+/// What an error goes on with: where the rest is kept, and the pictures that were skipped.
+pub fn kept(args: &Args, shots: &Shots) -> String {
     let notes = detecting::notes(&shots.detections);
-    anyhow!("{error:#}. {kept}\n{notes}")
+    format!(
+        "What was found is kept in {}\n{notes}",
+        args.session_folder().display()
+    )
 }

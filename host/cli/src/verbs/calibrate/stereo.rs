@@ -25,8 +25,8 @@ pub fn run(args: &Args, board: Board, folders: [&Path; 2]) -> anyhow::Result<Rep
     files::check_outputs(names.iter().chain([&args.output]).chain(&others), inputs)?;
     let [left, right] = folders.map(|folder| shots::take(args, board, &[folder.to_owned()]));
     let shots = [left?, right?];
-    let left = shots[0].clone();
-    let kept = |error| shots::and_kept(args, &left, error);
+    let of_left = shots::kept(args, &shots[0]);
+    let kept = |error| shots::and_kept(&of_left, error);
     exports::check(args, [shots[0].size_px, shots[1].size_px]).map_err(kept)?;
     let found = BothEyes::calibrate(shots, &args.options()).map_err(|error| match error {
         BothEyesError::Pairs(error) => error.into(),
